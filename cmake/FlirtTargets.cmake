@@ -1,0 +1,22 @@
+# flirt_options: language level and warnings of every target of this project.
+add_library(flirt_options INTERFACE)
+target_compile_features(flirt_options INTERFACE cxx_std_20)
+target_compile_options(flirt_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
+
+# flirt_module(NAME [USES modules...] [LINK libraries...]): the library flirt_NAME from flirt/NAME/*.cpp.
+function(flirt_module name)
+  cmake_parse_arguments(ARG "" "" "USES;LINK" ${ARGN})
+  list(TRANSFORM ARG_USES PREPEND flirt_)
+  file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/flirt/${name}/*.cpp")
+  if(sources)
+    add_library(flirt_${name} STATIC ${sources})
+    set(scope PUBLIC)
+    target_link_libraries(flirt_${name} PRIVATE $<BUILD_INTERFACE:flirt_options>)
+  else()
+    add_library(flirt_${name} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  target_compile_features(flirt_${name} ${scope} cxx_std_20)
+  target_include_directories(flirt_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include>)
+  target_link_libraries(flirt_${name} ${scope} ${ARG_USES} ${ARG_LINK})
+endfunction()
