@@ -35,10 +35,10 @@ enum class Reading : std::uint8_t {
 /// Ranges are double so that text logs are represented without rounding.
 struct Scan {
   double stamp{0};  ///< s, as logged; may repeat, run backwards, or be meaningless: order in the log is what counts
-  Beams beams;
-  std::vector<double> ranges;            ///< m
-  Pose2 robot_from_sensor;               ///< where the scanner sits on the robot
-  std::optional<Pose2> odom_from_robot;  ///< the robot's own dead reckoning, where it has one
+  Beams beams{};
+  std::vector<double> ranges{};            ///< m
+  Pose2 robot_from_sensor{};               ///< where the scanner sits on the robot
+  std::optional<Pose2> odom_from_robot{};  ///< the robot's own dead reckoning, where it has one
 };
 
 /// True when the first and the last beam are neighbours: the field of view is a full turn (within half a step).
@@ -55,8 +55,8 @@ struct BeamPoint {
 /// A recorded run. `map_from_robot` is the pose that the log itself states for each scan (corrected by SLAM if the log
 /// was): kept apart from the scans, because what is under test sees scans, never their poses.
 struct ScanLog {
-  std::vector<Scan> scans;
-  std::vector<Pose2> map_from_robot;  ///< one per scan; empty when the log has no poses
+  std::vector<Scan> scans{};
+  std::vector<Pose2> map_from_robot{};  ///< one per scan; empty when the log has no poses
 
   [[nodiscard]] Pose2 map_from_sensor(std::size_t i) const { return map_from_robot[i] * scans[i].robot_from_sensor; }
 };

@@ -21,9 +21,9 @@ struct Match {
 
 /// A rigid motion that a set of matches agrees on.
 struct Alignment {
-  Pose2 reference_from_query;                           ///< maps query sensor coordinates into the reference sensor's
+  Pose2 reference_from_query{};                         ///< maps query sensor coordinates into the reference sensor's
   Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};  ///< of (x, y, theta) of `reference_from_query`: m², m·rad, rad²
-  std::vector<Match> inliers;
+  std::vector<Match> inliers{};
   double residual{0};  ///< m², mean truncated squared distance over all query keypoints (item 44)
 };
 
