@@ -1,0 +1,74 @@
+#include "apps/flirt/command.hpp"
+
+#include "flirt/io/file.hpp"
+
+#include "flirt_version.hpp"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <memory>
+
+namespace flirt::app {
+
+CLI::App* add_command(CLI::App& program, Session& session, const std::string& name, const std::string& description,
+                      const std::string& example) {
+  CLI::App* command = program.add_subcommand(name, description);
+  command->add_option("--json", session.json, "write the machine-readable result to this file, - for stdout");
+  command->add_option("--config", session.config, "TOML file with parameters; flags win over it");
+  command->add_option("--threads", session.threads, "threads, 0 for one per processor (default 0)")
+      ->check(CLI::Range(0, 1024));
+  command->add_option("--seed", session.seed, "seed of everything random (default 0)");
+  command->add_flag("--quiet", session.quiet, "print nothing but errors");
+  command->footer("Example: " + example);
+  return command;
+}
+
+void write_json(const Session& session, const nlohmann::ordered_json& result) {
+  write_json_text(session, result.dump(2) + "\n");
+}
+
+void write_json_text(const Session& session, const std::string& text) {
+  if (session.json.empty()) { return; }
+  if (session.json_on_stdout()) {
+    std::cout << text << std::flush;
+    if (!std::cout) { throw BadInput("stdout: expected to write the result, found it closed"); }
+  } else {
+    value_or_quit(write_file_atomically(session.json, text));
+  }
+}
+
+Progress progress_bar(const Session& session, const std::string& label) {
+  if (session.quiet || isatty(STDERR_FILENO) == 0) { return {}; }
+  struct State {
+    std::chrono::steady_clock::time_point start{std::chrono::steady_clock::now()};
+    int shown{-1};
+  };
+  return [label, state = std::make_shared<State>()](double done) {
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - state->start).count();
+    const int percent = static_cast<int>(done * 100);
+    if (seconds < 1.0 || percent == state->shown) { return; }
+    state->shown = percent;
+    const std::string bar(static_cast<std::size_t>(percent * 3 / 10), '#');
+    std::fprintf(stderr, "\r%s [%-30s] %3d %%  %.0f s left ", label.c_str(), bar.c_str(), percent,
+                 done > 0 ? seconds / done - seconds : 0.0);
+    if (percent == 100) { std::fprintf(stderr, "\r\033[K"); }
+  };
+}
+
+nlohmann::ordered_json provenance() {
+  std::string cpu = "unknown";
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);) {
+    if (line.starts_with("model name")) {
+      cpu = line.substr(line.find(':') + 2);
+      break;
+    }
+  }
+  return {{"version", FLIRT_VERSION}, {"commit", FLIRT_COMMIT}, {"cpu", cpu}};
+}
+
+}  // namespace flirt::app

@@ -1,0 +1,89 @@
+// apps/flirt/command.hpp: what all subcommands share: common options, parameter flags, JSON output, progress, errors.
+//
+// A subcommand is one file with one function, declared below and called by main():
+//
+//   void add_info(CLI::App& program, Session& session) {
+//     auto options = std::make_shared<InfoOptions>();
+//     CLI::App* command = add_command(program, session, "info", "What a log holds.", "flirt info run.log.gz");
+//     command->add_option("LOG", options->log, "log file")->required();
+//     options->params.add(*command, "ransac", options->ransac);     // --ransac-inlier-distance and so on
+//     session.on(command, [&session, options] { ...; return exit_done; });
+//   }
+#pragma once
+
+#include "flirt/core/parallel.hpp"
+#include "flirt/core/result.hpp"
+
+#include "apps/flirt/param_flags.hpp"
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <stdexcept>
+#include <string>
+
+namespace flirt::app {
+
+enum ExitCode : int { exit_done = 0, exit_usage = 1, exit_bad_input = 2, exit_internal = 3, exit_not_found = 4 };
+
+/// Ends the command with exit code 2; the message is FILE:LINE: what was expected, what was found.
+struct BadInput : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+/// Ends the command with exit code 1.
+struct UsageError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// The value, or the end of the command with its error.
+template <class T>
+T value_or_quit(Result<T> result) {
+  if (!result) { throw BadInput(result.error().message); }
+  if constexpr (!std::is_void_v<T>) { return std::move(*result); }
+}
+
+/// Options that every subcommand has, and what main() runs after parsing.
+struct Session {
+  std::string json;    ///< file for the machine-readable result, "-" = stdout, empty = none
+  std::string config;  ///< TOML file with parameters
+  std::size_t threads{0};
+  std::uint64_t seed{0};
+  bool quiet{false};
+  std::function<int()> run;
+
+  /// `action` runs after parsing when `command` was the one asked for; it returns an exit code.
+  void on(CLI::App* command, std::function<int()> action) {
+    command->final_callback([this, action = std::move(action)] { run = action; });
+  }
+  [[nodiscard]] bool json_on_stdout() const { return json == "-"; }
+  /// Prints for people go to stdout unless it carries the JSON or --quiet was given.
+  [[nodiscard]] bool talks() const { return !quiet && !json_on_stdout(); }
+};
+
+/// A subcommand with the common options; `example` closes its help.
+CLI::App* add_command(CLI::App& program, Session& session, const std::string& name, const std::string& description,
+                      const std::string& example);
+
+/// Writes `result` where --json says (file: atomically), two-space indented; nothing without --json.
+void write_json(const Session& session, const nlohmann::ordered_json& result);
+/// The same for text that is already formatted, for example JSON lines.
+void write_json_text(const Session& session, const std::string& text);
+
+/// A bar on stderr when it is a terminal, not --quiet, and the work takes more than a second; else silent.
+Progress progress_bar(const Session& session, const std::string& label);
+
+/// Version, commit and processor, as results carry them: {version, commit, cpu}.
+nlohmann::ordered_json provenance();
+
+void add_info(CLI::App& program, Session& session);
+void add_detect(CLI::App& program, Session& session);
+void add_match(CLI::App& program, Session& session);
+void add_map(CLI::App& program, Session& session);
+void add_localize(CLI::App& program, Session& session);
+void add_simulate(CLI::App& program, Session& session);
+void add_bench(CLI::App& program, Session& session);
+
+}  // namespace flirt::app

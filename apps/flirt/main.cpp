@@ -1,0 +1,51 @@
+// apps/flirt/main.cpp: the program flirt; each subcommand lives in a file of its name.
+#include "apps/flirt/command.hpp"
+#include "flirt_version.hpp"
+
+#include <cstdio>
+#include <exception>
+
+int main(int argc, char** argv) {
+  using namespace flirt::app;
+  CLI::App program{"Interest regions for 2D laser scans: matching, localization, mapping.", "flirt"};
+  program.set_version_flag("--version", "flirt " FLIRT_VERSION " (" FLIRT_COMMIT ")");
+  program.require_subcommand(1);
+  program.get_formatter()->column_width(44);
+  Session session;
+  try {
+#ifdef FLIRT_HAS_INFO
+    add_info(program, session);
+#endif
+#ifdef FLIRT_HAS_DETECT
+    add_detect(program, session);
+#endif
+#ifdef FLIRT_HAS_MATCH
+    add_match(program, session);
+#endif
+#ifdef FLIRT_HAS_MAP
+    add_map(program, session);
+#endif
+#ifdef FLIRT_HAS_LOCALIZE
+    add_localize(program, session);
+#endif
+#ifdef FLIRT_HAS_SIMULATE
+    add_simulate(program, session);
+#endif
+#ifdef FLIRT_HAS_BENCH
+    add_bench(program, session);
+#endif
+    program.parse(argc, argv);
+    return session.run();
+  } catch (const CLI::ParseError& error) {
+    return program.exit(error) == 0 ? exit_done : exit_usage;
+  } catch (const UsageError& error) {
+    std::fprintf(stderr, "flirt: %s\n", error.what());
+    return exit_usage;
+  } catch (const BadInput& error) {
+    std::fprintf(stderr, "flirt: %s\n", error.what());
+    return exit_bad_input;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "flirt: internal error: %s\n", error.what());
+    return exit_internal;
+  }
+}
