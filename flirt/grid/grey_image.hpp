@@ -43,16 +43,17 @@ struct GridMapMetadata {
 /// What a pixel of a grid map says.
 enum class CellState : std::uint8_t { free, occupied, unknown };
 
-/// Probability that the pixel's cell is occupied, 0..1 (dark is occupied unless `negate`).
+/// Probability that the pixel's cell is occupied (dark is occupied unless `negate`); in raw mode the pixel itself is
+/// the probability in per cent, and values above 1 mean unknown.
 [[nodiscard]] inline double occupancy(std::uint8_t pixel, const GridMapMetadata& metadata) {
-  if (metadata.mode == GridMapMode::raw) { return pixel / 100.0; }
-  return metadata.negate ? pixel / 255.0 : (255 - pixel) / 255.0;
+  const int shade = metadata.negate ? 255 - pixel : pixel;
+  return metadata.mode == GridMapMode::raw ? shade / 100.0 : (255 - shade) / 255.0;
 }
 
 /// The state of a pixel's cell by the thresholds of the metadata (map_server's rule).
 [[nodiscard]] inline CellState cell_state(std::uint8_t pixel, const GridMapMetadata& metadata) {
-  if (metadata.mode == GridMapMode::raw && pixel > 100) { return CellState::unknown; }
   const double probability = occupancy(pixel, metadata);
+  if (probability > 1.0) { return CellState::unknown; }
   if (probability > metadata.occupied_thresh) { return CellState::occupied; }
   return probability < metadata.free_thresh ? CellState::free : CellState::unknown;
 }
