@@ -1,0 +1,103 @@
+#include "flirt/eval/statistics.hpp"
+
+#include "flirt/core/assert.hpp"
+#include "flirt/core/rng.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace flirt {
+
+Interval Rate::wilson() const {
+  if (total == 0) { return {0, 1}; }
+  constexpr double z = 1.959963984540054;
+  const auto n = static_cast<double>(total);
+  const double p = value();
+  const double centre = (p + z * z / (2 * n)) / (1 + z * z / n);
+  const double half = z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
+  return {std::max(0.0, centre - half), std::min(1.0, centre + half)};
+}
+
+Interval block_bootstrap(std::span<const std::uint32_t> block, std::span<const bool> counted, std::span<const bool> hit,
+                         std::uint64_t seed, std::size_t draws) {
+  FLIRT_ASSERT(block.size() == counted.size() && block.size() == hit.size());
+  struct Counts {
+    std::size_t hits{0};
+    std::size_t total{0};
+  };
+  std::vector<Counts> blocks;
+  for (std::size_t i = 0; i < block.size(); ++i) {
+    if (!counted[i]) { continue; }
+    blocks.resize(std::max<std::size_t>(blocks.size(), block[i] + 1));
+    ++blocks[block[i]].total;
+    blocks[block[i]].hits += hit[i] ? 1 : 0;
+  }
+  std::erase_if(blocks, [](const Counts& counts) { return counts.total == 0; });
+  if (blocks.empty()) { return {0, 1}; }
+
+  Rng rng(seed);
+  std::vector<double> rates;
+  rates.reserve(draws);
+  for (std::size_t draw = 0; draw < draws; ++draw) {
+    Counts sum;
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      const Counts& picked = blocks[rng.below(static_cast<std::uint32_t>(blocks.size()))];
+      sum.hits += picked.hits;
+      sum.total += picked.total;
+    }
+    rates.push_back(static_cast<double>(sum.hits) / static_cast<double>(sum.total));
+  }
+  return {quantile(rates, 0.025), quantile(rates, 0.975)};
+}
+
+std::vector<PrecisionRecallPoint> precision_recall(std::span<const ScoredAnswer> answers) {
+  std::vector<ScoredAnswer> ranked;
+  std::size_t answerable = 0;
+  for (const ScoredAnswer& answer : answers) {
+    answerable += answer.answerable ? 1 : 0;
+    if (answer.answered) { ranked.push_back(answer); }
+  }
+  std::stable_sort(ranked.begin(), ranked.end(),
+                   [](const ScoredAnswer& a, const ScoredAnswer& b) { return a.confidence > b.confidence; });
+
+  std::vector<PrecisionRecallPoint> curve;
+  std::size_t correct = 0;
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < ranked.size(); ++i) {
+    correct += ranked[i].correct ? 1 : 0;
+    found += ranked[i].correct && ranked[i].answerable ? 1 : 0;
+    const bool last_of_ties = i + 1 == ranked.size() || ranked[i + 1].confidence < ranked[i].confidence;
+    if (!last_of_ties) { continue; }
+    curve.push_back({ranked[i].confidence, Rate{correct, i + 1}.value(), Rate{found, answerable}.value()});
+  }
+  return curve;
+}
+
+double recall_at_precision(std::span<const PrecisionRecallPoint> curve, double precision) {
+  double best = 0;
+  for (const PrecisionRecallPoint& point : curve) {
+    if (point.precision >= precision) { best = std::max(best, point.recall); }
+  }
+  return best;
+}
+
+double average_precision(std::span<const PrecisionRecallPoint> curve) {
+  double area = 0;
+  double previous_recall = 0;
+  for (const PrecisionRecallPoint& point : curve) {
+    area += (point.recall - previous_recall) * point.precision;
+    previous_recall = point.recall;
+  }
+  return area;
+}
+
+double quantile(std::vector<double> values, double q) {
+  if (values.empty()) { return 0; }
+  std::sort(values.begin(), values.end());
+  const double position = q * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(position);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return values[below] + (position - static_cast<double>(below)) * (values[above] - values[below]);
+}
+
+}  // namespace flirt

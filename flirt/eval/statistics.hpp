@@ -1,0 +1,60 @@
+// flirt/eval/statistics.hpp: rates with intervals, and precision-recall sweeps over a confidence.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace flirt {
+
+struct Interval {
+  double low{0};
+  double high{0};
+};
+
+/// A share with its Wilson 95 % score interval; 0 of 0 is rate 0 with the interval [0, 1].
+struct Rate {
+  std::size_t hits{0};
+  std::size_t total{0};
+
+  [[nodiscard]] double value() const {
+    return total == 0 ? 0.0 : static_cast<double>(hits) / static_cast<double>(total);
+  }
+  [[nodiscard]] Interval wilson() const;
+};
+
+/// 95 % percentile interval of a share by block bootstrap: neighbouring scans are not independent, so whole blocks of
+/// trajectory are drawn with replacement. block[i] numbers the block of case i (0, 1, …); counted[i] says whether case
+/// i is in the denominator, hit[i] whether it is in the numerator. O(draws · blocks).
+[[nodiscard]] Interval block_bootstrap(std::span<const std::uint32_t> block, std::span<const bool> counted,
+                                       std::span<const bool> hit, std::uint64_t seed, std::size_t draws = 1000);
+
+/// One query's answer, as a sweep over the confidence sees it.
+struct ScoredAnswer {
+  double confidence{0};
+  bool answered{false};    ///< false: no pose was given; `confidence` and `correct` mean nothing
+  bool correct{false};     ///< the pose is right, whoever asked
+  bool answerable{false};  ///< counts in the denominator of recall
+};
+
+struct PrecisionRecallPoint {
+  double confidence{0};  ///< accepted: answers of this confidence or more
+  double precision{0};   ///< correct / accepted
+  double recall{0};      ///< correct and answerable / answerable
+};
+
+/// Precision and recall at every distinct confidence, from the highest down. A correct answer to a query that is not
+/// answerable is neither a false positive nor a gain in recall: it counts as correct in the precision only. O(n log n).
+[[nodiscard]] std::vector<PrecisionRecallPoint> precision_recall(std::span<const ScoredAnswer> answers);
+
+/// Largest recall among the points with at least this precision; 0 when there is none.
+[[nodiscard]] double recall_at_precision(std::span<const PrecisionRecallPoint> curve, double precision);
+
+/// Area under the curve: Σ (recall_k − recall_(k−1)) · precision_k.
+[[nodiscard]] double average_precision(std::span<const PrecisionRecallPoint> curve);
+
+/// The q-quantile (0..1) by linear interpolation; 0 for no values. The order of `values` does not matter.
+[[nodiscard]] double quantile(std::vector<double> values, double q);
+
+}  // namespace flirt

@@ -1,0 +1,79 @@
+#include "flirt/eval/statistics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+namespace flirt {
+namespace {
+
+TEST(Rate, WilsonIntervalMatchesWorkedExamples) {
+  // Newcombe 1998, table I: 81 of 263 and 15 of 148, and the edge 0 of 20.
+  const Interval first = Rate{81, 263}.wilson();
+  EXPECT_NEAR(first.low, 0.2553, 5e-5);
+  EXPECT_NEAR(first.high, 0.3662, 5e-5);
+  const Interval second = Rate{15, 148}.wilson();
+  EXPECT_NEAR(second.low, 0.0624, 5e-5);
+  EXPECT_NEAR(second.high, 0.1605, 5e-5);
+  const Interval none = Rate{0, 20}.wilson();
+  EXPECT_DOUBLE_EQ(none.low, 0);
+  EXPECT_NEAR(none.high, 0.1611, 5e-5);
+}
+
+TEST(Rate, NothingOfNothingSaysNothing) {
+  EXPECT_EQ(Rate{}.value(), 0);
+  EXPECT_EQ(Rate{}.wilson().low, 0);
+  EXPECT_EQ(Rate{}.wilson().high, 1);
+}
+
+TEST(BlockBootstrap, IsWiderWhenCasesOfABlockAgree) {
+  constexpr std::size_t n = 1000;
+  const auto hit = std::make_unique<bool[]>(n);
+  const auto counted = std::make_unique<bool[]>(n);
+  std::vector<std::uint32_t> small(n);
+  std::vector<std::uint32_t> large(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    counted[i] = true;
+    hit[i] = (i / 100) % 2 == 0;
+    small[i] = static_cast<std::uint32_t>(i);
+    large[i] = static_cast<std::uint32_t>(i / 100);
+  }
+  const Interval independent = block_bootstrap(small, {counted.get(), n}, {hit.get(), n}, 1);
+  const Interval blocked = block_bootstrap(large, {counted.get(), n}, {hit.get(), n}, 1);
+  EXPECT_NEAR(independent.high - independent.low, 2 * 1.96 * 0.5 / 31.6, 0.01);
+  EXPECT_GT(blocked.high - blocked.low, 5 * (independent.high - independent.low));
+}
+
+TEST(PrecisionRecall, SweepsFromTheMostConfidentAnswerDown) {
+  const std::vector<ScoredAnswer> answers = {
+      {.confidence = 0.9, .answered = true, .correct = true, .answerable = true},
+      {.confidence = 0.8, .answered = true, .correct = false, .answerable = false},  // a distractor's false positive
+      {.confidence = 0.7, .answered = true, .correct = true, .answerable = true},
+      {.confidence = 0.7, .answered = true, .correct = true, .answerable = false},  // right, but not asked for
+      {.confidence = 0.0, .answered = false, .correct = false, .answerable = true},
+      {.confidence = 0.1, .answered = true, .correct = false, .answerable = true},
+  };
+  const auto curve = precision_recall(answers);
+  ASSERT_EQ(curve.size(), 4U);
+  EXPECT_DOUBLE_EQ(curve[0].precision, 1);
+  EXPECT_DOUBLE_EQ(curve[0].recall, 0.25);
+  EXPECT_DOUBLE_EQ(curve[1].precision, 0.5);
+  EXPECT_DOUBLE_EQ(curve[2].precision, 0.75);
+  EXPECT_DOUBLE_EQ(curve[2].recall, 0.5);
+  EXPECT_DOUBLE_EQ(curve[3].precision, 0.6);
+  EXPECT_DOUBLE_EQ(recall_at_precision(curve, 0.99), 0.25);
+  EXPECT_DOUBLE_EQ(recall_at_precision(curve, 0.7), 0.5);
+  EXPECT_DOUBLE_EQ(average_precision(curve), 0.25 * 1 + 0.25 * 0.75);
+  EXPECT_DOUBLE_EQ(recall_at_precision({}, 0.9), 0);
+}
+
+TEST(Quantile, InterpolatesAndIgnoresOrder) {
+  EXPECT_DOUBLE_EQ(quantile({3, 1, 2}, 0.5), 2);
+  EXPECT_DOUBLE_EQ(quantile({4, 1, 2, 3}, 0.5), 2.5);
+  EXPECT_DOUBLE_EQ(quantile({1, 2}, 1.0), 2);
+  EXPECT_DOUBLE_EQ(quantile({}, 0.5), 0);
+}
+
+}  // namespace
+}  // namespace flirt
