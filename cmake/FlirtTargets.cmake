@@ -2,6 +2,8 @@
 add_library(flirt_options INTERFACE)
 target_compile_features(flirt_options INTERFACE cxx_std_20)
 target_compile_options(flirt_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
+# No multiply-add unless it is asked for: the same bits on processors with and without the instruction.
+target_compile_options(flirt_options INTERFACE -ffp-contract=off)
 
 # flirt_module(NAME [USES modules...] [LINK libraries...]): the library flirt_NAME from flirt/NAME/*.cpp.
 function(flirt_module name)
