@@ -103,7 +103,6 @@ std::vector<Tick> linear_ticks(const Range& range) {
 }
 
 std::string power_of_ten(int exponent) {
-  if (exponent >= -3 && exponent <= 4) { return general(std::pow(10.0, exponent), 6); }
   return "10<tspan dy=\"-4\" font-size=\"8\">" + std::to_string(exponent) + "</tspan>";
 }
 
@@ -113,9 +112,10 @@ std::vector<Tick> logarithmic_ticks(const Range& range) {
   const int last = static_cast<int>(std::ceil(range.high - 1e-9));
   const int every = std::max(1, (last - first) / 8);
   const bool finer = range.high - range.low <= 2.0;
+  const bool plain = first >= -3 && last <= 4;
   for (int exponent = first; exponent <= last; exponent += every) {
     const double decade = std::pow(10.0, exponent);
-    ticks.push_back({decade, power_of_ten(exponent)});
+    ticks.push_back({decade, plain ? general(decade, 6) : power_of_ten(exponent)});
     if (!finer) { continue; }
     for (const double factor : {2.0, 5.0}) { ticks.push_back({factor * decade, general(factor * decade, 6)}); }
   }
@@ -248,6 +248,16 @@ std::string draw_axes(const Chart& chart, const Axes& axes) {
                         attribute("transform", "rotate(-90 " + number(label_x) + ' ' + number(middle) + ')'));
 }
 
+/// The start of an inner svg in the plot's own coordinates that cuts off what lies outside, but for half a marker.
+std::string clipped_to(const Box& plot) {
+  constexpr double spill = marker_radius + 2;
+  const double width = plot.width + 2 * spill;
+  const double height = plot.height + 2 * spill;
+  const std::string view = number(-spill) + ' ' + number(-spill) + ' ' + number(width) + ' ' + number(height);
+  return "<svg" + attribute("x", plot.left - spill) + attribute("y", plot.top - spill) + attribute("width", width) +
+         attribute("height", height) + attribute("viewBox", view) + attribute("overflow", "hidden") + ">\n";
+}
+
 std::vector<LegendEntry> legend_of(const Chart& chart) {
   std::vector<LegendEntry> entries;
   for (const Series& series : chart.series) {
@@ -271,8 +281,7 @@ std::string draw(const Chart& chart, double left, double top, double width) {
   const Axes axes = axes_of(chart, plot);
   std::string text = chart.title.empty() ? std::string{} : title_above({left, plot.top, width, 0}, chart.title);
   text += draw_axes(chart, axes);
-  text += "<svg" + attribute("x", plot.left) + attribute("y", plot.top) + attribute("width", plot.width) +
-          attribute("height", plot.height) + attribute("overflow", "hidden") + ">\n";
+  text += clipped_to(plot);
   for (const Series& series : chart.series) { text += draw_interval(series, axes); }
   for (const Series& series : chart.series) { text += draw_series(series, axes); }
   text += "</svg>\n";

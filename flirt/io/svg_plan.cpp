@@ -195,7 +195,8 @@ std::string draw_layer(const Arrows& layer, const View& view) {
 
 std::string draw_layer(const Labels& layer, const View& view) {
   std::string text;
-  const std::string attributes = attribute("font-size", layer.size) + attribute("fill", hex(layer.colour));
+  const std::string attributes = attribute("font-size", layer.size) + attribute("fill", hex(layer.colour)) +
+                                 R"( stroke="#fff" stroke-width="2.5" paint-order="stroke")";  // readable on anything
   for (const Label& label : layer.labels) {
     const Point2 pixel = view.pixel(label.at);
     if (view.shows(pixel, 0)) { text += text_at(pixel.x, pixel.y, label.text, Anchor::start, attributes); }
@@ -289,7 +290,7 @@ std::string draw(const Plan& plan, double left, double top, double width) {
   std::string text = plan.title.empty() ? std::string{} : title_above(box, plan.title);
   const std::string place = attribute("x", box.left) + attribute("y", box.top) + attribute("width", box.width) +
                             attribute("height", box.height);
-  text += "<svg" + place + ">\n";  // an inner svg cuts off what lies outside
+  text += "<svg" + place + attribute("overflow", "hidden") + ">\n";  // an inner svg cuts off what lies outside
   for (const Layer& layer : plan.layers) {
     text += std::visit([&](const auto& one) { return draw_layer(one, view); }, layer);
   }
