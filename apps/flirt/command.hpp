@@ -7,8 +7,10 @@
 //     CLI::App* command = add_command(program, session, "info", "What a log holds.", "flirt info run.log.gz");
 //     command->add_option("LOG", options->log, "log file")->required();
 //     options->params.add(*command, "ransac", options->ransac);     // --ransac-inlier-distance and so on
-//     session.on(command, [&session, options] { ...; return exit_done; });
+//     session.on(command, [&session, options] { options->params.resolve(session.config); ...; return exit_done; });
 //   }
+//
+// Commands that make features use feature_flags.hpp for --detector, --descriptor and their parameters.
 #pragma once
 
 #include "flirt/core/parallel.hpp"

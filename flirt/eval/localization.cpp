@@ -1,0 +1,240 @@
+#include "flirt/eval/localization.hpp"
+
+#include "flirt/core/assert.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <numeric>
+
+namespace flirt {
+namespace {
+
+constexpr std::uint32_t n_min_first = 3;
+constexpr std::uint32_t n_min_last = 15;
+constexpr std::size_t n_min_count = n_min_last - n_min_first + 1;
+constexpr std::array picks{PickBy::closest, PickBy::corresp, PickBy::residual};
+
+bool within(const Pose2& pose, const Pose2& truth, double max_distance, double max_heading) {
+  return distance(pose, truth) <= max_distance && heading_difference(pose, truth) <= max_heading;
+}
+
+/// How far a pose is from the truth, in units of the tolerance: what `closest` minimises.
+double error_in_tolerances(const Pose2& pose, const Pose2& truth, const LocalizationBenchParams& params) {
+  return std::max(distance(pose, truth) / params.correct_distance,
+                  heading_difference(pose, truth) / params.correct_heading);
+}
+
+bool better(const Hypothesis& a, const Hypothesis& b, PickBy pick, const Pose2& truth,
+            const LocalizationBenchParams& params) {
+  switch (pick) {
+    case PickBy::closest:
+      return error_in_tolerances(a.map_from_sensor, truth, params) <
+             error_in_tolerances(b.map_from_sensor, truth, params);
+    case PickBy::corresp:
+      return a.inliers != b.inliers ? a.inliers > b.inliers : a.residual < b.residual;
+    case PickBy::residual:
+      return a.residual != b.residual ? a.residual < b.residual : a.inliers > b.inliers;
+  }
+  return false;
+}
+
+const Hypothesis* pick_best(std::span<const Hypothesis> solutions, std::uint32_t n_min, PickBy pick, const Pose2& truth,
+                            const LocalizationBenchParams& params) {
+  const Hypothesis* best = nullptr;
+  for (const Hypothesis& candidate : solutions) {
+    if (candidate.inliers < n_min) { continue; }
+    if (best == nullptr || better(candidate, *best, pick, truth, params)) { best = &candidate; }
+  }
+  return best;
+}
+
+struct Pick {
+  bool answered{false};
+  bool correct{false};
+};
+
+/// All that is kept of one query, so that solution sets of thousands of hypotheses need not be.
+struct Outcome {
+  std::array<std::array<Pick, n_min_count>, picks.size()> picks{};
+  std::vector<LocalizationAnswer> answers;
+  LocalizeTimes times;
+};
+
+LocalizationAnswer answer_from(const Hypothesis* best, std::size_t query, std::string_view strategy, const Pose2& truth,
+                               const LocalizationResult& result, const LocalizationBenchParams& params) {
+  LocalizationAnswer answer{.query = query, .strategy = strategy, .verdict = to_string(result.verdict)};
+  if (best == nullptr) { return answer; }
+  answer.answered = true;
+  answer.reference = best->map_scan;
+  answer.map_from_sensor = best->map_from_sensor;
+  answer.inliers = best->inliers;
+  answer.residual = best->residual;
+  answer.correct = within(best->map_from_sensor, truth, params.correct_distance, params.correct_heading);
+  answer.precise = within(best->map_from_sensor, truth, params.precise_distance, params.precise_heading);
+  return answer;
+}
+
+void judge_solution_set(const LocalizationResult& result, std::size_t query, const Pose2& truth,
+                        const LocalizationBenchParams& params, Outcome& outcome) {
+  for (std::size_t s = 0; s < picks.size(); ++s) {
+    for (std::size_t k = 0; k < n_min_count; ++k) {
+      const auto n_min = static_cast<std::uint32_t>(n_min_first + k);
+      const Hypothesis* best = pick_best(result.hypotheses, n_min, picks[s], truth, params);
+      const LocalizationAnswer answer = answer_from(best, query, to_string(picks[s]), truth, result, params);
+      outcome.picks[s][k] = {answer.answered, answer.correct};
+      if (k == 0) {
+        outcome.answers.push_back(answer);
+        outcome.answers.back().confidence = static_cast<double>(answer.inliers);
+      }
+    }
+  }
+}
+
+void judge_verdict(const LocalizationResult& result, std::size_t query, const Pose2& truth,
+                   const LocalizationBenchParams& params, Outcome& outcome) {
+  const Hypothesis* best = result.best();
+  outcome.answers.push_back(answer_from(best, query, "localize", truth, result, params));
+  outcome.answers.back().confidence = result.confidence;
+}
+
+std::vector<std::uint32_t> bootstrap_blocks(const ScanLog& log, std::span<const std::size_t> queries, double length) {
+  const std::vector<double> lengths = path_lengths(log);
+  std::vector<std::uint32_t> blocks;
+  blocks.reserve(queries.size());
+  for (const std::size_t query : queries) { blocks.push_back(static_cast<std::uint32_t>(lengths[query] / length)); }
+  return blocks;
+}
+
+/// Interval of the share of `hit` among `counted`, one entry per query.
+template <class Counted, class Hit>
+Interval bootstrap(std::span<const std::uint32_t> blocks, const Counted& counted, const Hit& hit, std::uint64_t seed) {
+  const auto counted_flags = std::make_unique<bool[]>(blocks.size());
+  const auto hit_flags = std::make_unique<bool[]>(blocks.size());
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    counted_flags[i] = counted(i);
+    hit_flags[i] = hit(i);
+  }
+  return block_bootstrap(blocks, {counted_flags.get(), blocks.size()}, {hit_flags.get(), blocks.size()}, seed);
+}
+
+StrategyCurve strategy_curve(std::span<const Outcome> outcomes, std::size_t s, std::span<const std::uint32_t> blocks,
+                             std::uint64_t seed) {
+  StrategyCurve curve{.strategy = picks[s]};
+  for (std::size_t k = 0; k < n_min_count; ++k) {
+    std::size_t answered = 0;
+    std::size_t correct = 0;
+    for (const Outcome& outcome : outcomes) {
+      answered += outcome.picks[s][k].answered ? 1 : 0;
+      correct += outcome.picks[s][k].correct ? 1 : 0;
+    }
+    curve.n_min.push_back(static_cast<std::uint32_t>(n_min_first + k));
+    curve.precision.push_back({correct, answered});
+    curve.recall.push_back({correct, outcomes.size()});
+  }
+  curve.recall_bootstrap = bootstrap(
+      blocks, [](std::size_t) { return true; }, [&](std::size_t i) { return outcomes[i].picks[s][0].correct; }, seed);
+  return curve;
+}
+
+RevisitSummary revisit_summary(std::span<const LocalizationAnswer> answers, std::span<const std::uint32_t> blocks,
+                               std::uint64_t seed) {
+  RevisitSummary summary;
+  std::vector<ScoredAnswer> scored;
+  for (const LocalizationAnswer& answer : answers) {
+    scored.push_back({answer.confidence, answer.answered, answer.correct, answer.answerable});
+    if (!answer.answerable) { continue; }
+    ++summary.success.total;
+    ++summary.precise_success.total;
+    summary.success.hits += answer.correct ? 1 : 0;
+    summary.precise_success.hits += answer.precise ? 1 : 0;
+  }
+  summary.success_bootstrap = bootstrap(
+      blocks, [&](std::size_t i) { return answers[i].answerable; }, [&](std::size_t i) { return answers[i].correct; },
+      seed);
+  summary.curve = precision_recall(scored);
+  return summary;
+}
+
+LocalizationTimes summarise_times(std::span<const Outcome> outcomes, std::size_t pairs) {
+  std::vector<double> detect;
+  std::vector<double> describe;
+  std::vector<double> total;
+  double match = 0;
+  for (const Outcome& outcome : outcomes) {
+    detect.push_back(outcome.times.detect_us);
+    describe.push_back(outcome.times.describe_us);
+    total.push_back(outcome.times.detect_us + outcome.times.describe_us + outcome.times.match_us);
+    match += outcome.times.match_us;
+  }
+  return {.detect_median = quantile(detect, 0.5),
+          .describe_median = quantile(describe, 0.5),
+          .per_query_median = quantile(total, 0.5),
+          .per_query_p95 = quantile(total, 0.95),
+          .per_pair = pairs == 0 ? 0.0 : match / static_cast<double>(pairs)};
+}
+
+}  // namespace
+
+double StrategyCurve::p_cl() const {
+  double best = 0;
+  for (std::size_t k = 0; k < n_min.size(); ++k) {
+    if (precision[k].value() >= 0.95) { best = std::max(best, recall[k].value()); }
+  }
+  return best;
+}
+
+LocalizationBench bench_localization(const ScanLog& log, const PlaceMap& map, const LocalizationBenchParams& params,
+                                     std::size_t threads, const Progress& progress) {
+  FLIRT_ASSERT(log.map_from_robot.size() == log.scans.size() && map.size() == log.scans.size() && params.every > 0);
+  std::vector<std::size_t> queries;
+  for (std::size_t i = 0; i < log.scans.size(); i += params.every) { queries.push_back(i); }
+
+  const bool revisit = params.protocol == LocalizationProtocol::revisit;
+  const std::vector<ScanInterval> removed = travel_neighbours(log, params.revisit.travel);
+  const std::vector<bool> can_answer =
+      revisit ? answerable(log, queries, params.revisit, threads) : std::vector<bool>(queries.size(), true);
+
+  std::vector<std::unique_ptr<Localizer>> localizers(thread_count(threads));
+  std::vector<Outcome> outcomes(queries.size());
+  parallel_for(
+      queries.size(), threads,
+      [&](std::size_t k, std::size_t thread) {
+        if (!localizers[thread]) { localizers[thread] = std::make_unique<Localizer>(map, params.localize); }
+        const std::size_t query = queries[k];
+        const ScanInterval excluded = revisit ? removed[query] : ScanInterval{query, query + 1};
+        const LocalizationResult result = localizers[thread]->localize(log.scans[query], excluded, &outcomes[k].times);
+        const Pose2 truth = log.map_from_sensor(query);
+        if (revisit) {
+          judge_verdict(result, query, truth, params, outcomes[k]);
+        } else {
+          judge_solution_set(result, query, truth, params, outcomes[k]);
+        }
+      },
+      progress);
+
+  LocalizationBench bench{.queries = queries.size(), .map_scans = map.size()};
+  const std::vector<std::uint32_t> blocks = bootstrap_blocks(log, queries, params.block_length);
+  std::size_t pairs = 0;
+  for (std::size_t k = 0; k < queries.size(); ++k) {
+    bench.answerable += can_answer[k] ? 1 : 0;
+    const std::size_t gone = revisit ? removed[queries[k]].end - removed[queries[k]].begin : 1;
+    pairs += map.size() - gone;
+    for (LocalizationAnswer& answer : outcomes[k].answers) {
+      answer.answerable = can_answer[k];
+      bench.answers.push_back(answer);
+    }
+  }
+  bench.features_per_scan =
+      map.size() == 0 ? 0.0 : static_cast<double>(map.feature_count()) / static_cast<double>(map.size());
+  bench.times = summarise_times(outcomes, pairs);
+  if (revisit) {
+    bench.revisit = revisit_summary(bench.answers, blocks, params.seed);
+  } else {
+    for (std::size_t s = 0; s < picks.size(); ++s) {
+      bench.strategies.push_back(strategy_curve(outcomes, s, blocks, params.seed));
+    }
+  }
+  return bench;
+}
+
+}  // namespace flirt
