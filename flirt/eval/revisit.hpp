@@ -3,21 +3,13 @@
 
 #include "flirt/core/parallel.hpp"
 #include "flirt/core/scan.hpp"
+#include "flirt/core/scan_interval.hpp"
 
 #include <cstddef>
 #include <span>
 #include <vector>
 
 namespace flirt {
-
-/// Scans [begin, end) of a log.
-struct ScanInterval {
-  std::size_t begin{0};
-  std::size_t end{0};
-
-  [[nodiscard]] bool contains(std::size_t scan) const { return scan >= begin && scan < end; }
-  friend bool operator==(const ScanInterval&, const ScanInterval&) = default;
-};
 
 struct RevisitParams {
   double travel{10.0};      ///< m of path on both sides of the query that leave the map
