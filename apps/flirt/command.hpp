@@ -87,5 +87,6 @@ void add_map(CLI::App& program, Session& session);
 void add_localize(CLI::App& program, Session& session);
 void add_simulate(CLI::App& program, Session& session);
 void add_bench(CLI::App& program, Session& session);
+void add_bench_localization(CLI::App& bench, Session& session);
 
 }  // namespace flirt::app

@@ -1,0 +1,12 @@
+// apps/flirt/bench.cpp: the family of `flirt bench` commands; each lives in a file of its name.
+#include "apps/flirt/command.hpp"
+
+namespace flirt::app {
+
+void add_bench(CLI::App& program, Session& session) {
+  CLI::App* bench = program.add_subcommand("bench", "Experiments with intervals: what a method reaches on a log.");
+  bench->require_subcommand(1);
+  add_bench_localization(*bench, session);
+}
+
+}  // namespace flirt::app
