@@ -1,0 +1,243 @@
+// flirt/match/ransac.cpp: hypotheses from pairs of candidates, scored by all keypoints, refined by least squares.
+#include "flirt/match/ransac.hpp"
+
+#include "flirt/core/assert.hpp"
+#include "flirt/core/rng.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace flirt {
+namespace {
+
+constexpr double chi_square_95_of_1 = 3.84;  ///< 95 % quantile, one degree of freedom: a length
+constexpr double chi_square_95_of_2 = 5.99;  ///< 95 % quantile, two degrees of freedom: a position
+constexpr double shortest_segment = 1e-3;    ///< m; two keypoints closer than this have no direction
+constexpr int most_refinements = 10;
+
+PairLimits limits_of(const RansacParams& params) {
+  const bool any_turn = params.max_turn_difference >= std::numbers::pi;
+  return {static_cast<float>(chi_square_95_of_1 * params.inlier_distance * params.inlier_distance),
+          static_cast<float>(shortest_segment * shortest_segment),
+          any_turn ? -2.0F : static_cast<float>(std::cos(params.max_turn_difference))};
+}
+
+/// Closest descriptors first; ties by index, so that the order of the input does not matter.
+bool is_better(const Match& a, const Match& b) {
+  return std::tie(a.distance, a.query, a.reference) < std::tie(b.distance, b.query, b.reference);
+}
+bool is_same_pair(const Match& a, const Match& b) {
+  return a.query == b.query && a.reference == b.reference;
+}
+
+bool is_in_sight(const KeypointColumns& keypoints, std::uint32_t i) {
+  FLIRT_ASSERT(i < keypoints.size());
+  return std::abs(keypoints.x[i]) < out_of_sight;
+}
+
+Point2 point(const KeypointColumns& keypoints, std::uint32_t i) {
+  return {double{keypoints.x[i]}, double{keypoints.y[i]}};
+}
+
+}  // namespace
+
+std::uint32_t iterations_needed(double inlier_probability, double success_probability) {
+  const double both_right = inlier_probability * inlier_probability;
+  if (both_right >= 1.0) { return 1; }
+  const double needed = std::ceil(std::log(1.0 - success_probability) / std::log(1.0 - both_right));
+  return static_cast<std::uint32_t>(std::clamp(needed, 1.0, 1e9));
+}
+
+Ransac::Ransac(const RansacParams& params)
+    : params_(params),
+      pair_limits_(limits_of(params)),
+      limit_(static_cast<float>(chi_square_95_of_2 * params.inlier_distance * params.inlier_distance)),
+      iterations_(iterations_needed(params.inlier_probability, params.success_probability)) {}
+
+void Ransac::set_query(const KeypointColumns& query) {
+  query_ = query;
+  scored_query_.assign(query);
+  nearest_.resize(scored_query_.x.size());
+}
+
+std::optional<PairAlignment> Ransac::align(const KeypointColumns& reference, std::span<const Match> candidates) {
+  best_.inliers.clear();
+  best_.points.clear();
+  prepare(reference, candidates);
+  if (sorted_.size() < 2) { return std::nullopt; }
+
+  const float cost_of_nothing = limit_ * static_cast<float>(query_.size());
+  best_cost_ = cost_of_nothing;
+  params_.sampling == Sampling::random ? try_random(reference) : try_all(reference);
+  if (!(best_cost_ < cost_of_nothing)) { return std::nullopt; }
+
+  evaluate(pose_of(best_motion_), reference, best_);
+  refine(reference);
+  if (best_.inliers.size() < std::max<std::size_t>(2, params_.min_inliers)) { return std::nullopt; }
+  return PairAlignment{best_.reference_from_query, best_.residual, static_cast<std::uint32_t>(best_.inliers.size())};
+}
+
+Eigen::Matrix3d Ransac::covariance() const {
+  const double deviation = params_.keypoint_deviation > 0.0
+                               ? params_.keypoint_deviation
+                               : deviation_from_residuals(best_.points, best_.reference_from_query);
+  return rigid_covariance(best_.points, best_.reference_from_query, deviation);
+}
+
+void Ransac::prepare(const KeypointColumns& reference, std::span<const Match> candidates) {
+  sorted_.clear();
+  for (const Match& match : candidates) {
+    const bool usable = is_in_sight(query_, match.query) && is_in_sight(reference, match.reference);
+    if (usable && !std::isnan(match.distance)) { sorted_.push_back(match); }
+  }
+  std::ranges::sort(sorted_, is_better);
+  sorted_.erase(std::ranges::unique(sorted_, is_same_pair).begin(), sorted_.end());
+
+  candidates_.resize(sorted_.size());
+  for (std::size_t i = 0; i < sorted_.size(); ++i) {
+    const Match& match = sorted_[i];
+    candidates_.query_x[i] = query_.x[match.query];
+    candidates_.query_y[i] = query_.y[match.query];
+    candidates_.reference_x[i] = reference.x[match.reference];
+    candidates_.reference_y[i] = reference.y[match.reference];
+    if (pair_limits_.turn_cosine < -1.0F) { continue; }
+    const float turn = reference.theta[match.reference] - query_.theta[match.query];
+    candidates_.turn_cosine[i] = std::cos(turn);
+    candidates_.turn_sine[i] = std::sin(turn);
+  }
+}
+
+/// Pairs of candidates drawn at random; a pair that no rigid motion explains counts as a draw, as in the papers' count.
+void Ransac::try_random(const KeypointColumns& reference) {
+  Rng rng(params_.seed);
+  const auto count = static_cast<std::uint32_t>(sorted_.size());
+  for (std::uint32_t iteration = 0; iteration < iterations_; ++iteration) {
+    const std::uint32_t i = rng.below(count);
+    const std::uint32_t other = rng.below(count - 1);
+    const std::uint32_t j = other < i ? other : other + 1;
+    if (is_rigid_pair(candidates_, i, j, pair_limits_)) { try_pair(reference, i, j); }
+  }
+}
+
+/// All pairs by the worse of their two descriptor distances.
+void Ransac::try_all(const KeypointColumns& reference) {
+  partners_.resize(std::max(partners_.size(), candidates_.query_x.size()));
+  std::uint64_t samples = 0;
+  for (std::uint32_t j = 1; j < sorted_.size() && samples < params_.max_samples; ++j) {
+    const std::size_t found = rigid_partners(candidates_, j, pair_limits_, partners_);
+    for (std::size_t k = 0; k < found; ++k) { try_pair(reference, partners_[k], j); }
+    samples += j;
+  }
+}
+
+void Ransac::try_pair(const KeypointColumns& reference, std::uint32_t i, std::uint32_t j) {
+  const Motion motion = motion_of_segment(candidates_, i, j);
+  const float cost = cost_of(motion, reference);
+  if (cost < best_cost_) {
+    best_cost_ = cost;
+    best_motion_ = motion;
+  }
+}
+
+/// m², truncated squared distances summed over all query keypoints.
+float Ransac::cost_of(const Motion& reference_from_query, const KeypointColumns& reference) {
+  if (params_.inlier_rule == InlierRule::nearest_point) {
+    return truncated_cost(reference_from_query, scored_query_, reference, limit_, best_cost_);
+  }
+  pair_one_to_one(reference_from_query, reference.size());
+  float cost = limit_ * static_cast<float>(query_.size());
+  for (const auto& [squared, candidate] : near_candidates_) { cost -= limit_ - squared; }
+  return cost;
+}
+
+/// Leaves in near_candidates_ the candidates within the limit, nearest first, no keypoint used twice.
+void Ransac::pair_one_to_one(const Motion& reference_from_query, std::size_t references) {
+  near_candidates_.clear();
+  for (std::uint32_t i = 0; i < sorted_.size(); ++i) {
+    const float squared = squared_distance_after(reference_from_query, candidates_, i);
+    if (squared < limit_) { near_candidates_.emplace_back(squared, i); }
+  }
+  std::ranges::sort(near_candidates_);
+  query_taken_.assign(query_.size(), false);
+  reference_taken_.assign(references, false);
+  std::erase_if(near_candidates_, [&](const auto& near_candidate) {
+    const Match& match = sorted_[near_candidate.second];
+    if (query_taken_[match.query] || reference_taken_[match.reference]) { return true; }
+    query_taken_[match.query] = true;
+    reference_taken_[match.reference] = true;
+    return false;
+  });
+}
+
+/// The inliers of a motion, and its residual in double precision.
+void Ransac::evaluate(const Pose2& reference_from_query, const KeypointColumns& reference, Support& support) {
+  const Motion motion = motion_of(reference_from_query);
+  support.reference_from_query = reference_from_query;
+  support.inliers.clear();
+  support.points.clear();
+  if (params_.inlier_rule == InlierRule::nearest_point) {
+    nearest_points(motion, scored_query_, reference, nearest_);
+    for (std::uint32_t i = 0; i < query_.size(); ++i) {
+      if (is_in_sight(query_, i)) { support.inliers.push_back({i, nearest_[i]}); }
+    }
+  } else {
+    pair_one_to_one(motion, reference.size());
+    for (const auto& [squared, candidate] : near_candidates_) {
+      support.inliers.push_back({sorted_[candidate].query, sorted_[candidate].reference});
+    }
+    std::ranges::sort(support.inliers, {}, &IndexPair::query);
+  }
+
+  const double limit{limit_};
+  double gain = 0.0;
+  std::erase_if(support.inliers, [&](const IndexPair& pair) {
+    const PointPair points{point(query_, pair.query), point(reference, pair.reference)};
+    const double squared = squared_norm(points.reference - reference_from_query * points.query);
+    if (!(squared < limit)) { return true; }
+    gain += limit - squared;
+    support.points.push_back(points);
+    return false;
+  });
+  support.residual = limit - gain / static_cast<double>(query_.size());
+}
+
+/// Least squares over the inliers, and again over the inliers of that, while the residual falls.
+void Ransac::refine(const KeypointColumns& reference) {
+  for (int i = 0; i < most_refinements; ++i) {
+    const std::optional<Pose2> reference_from_query = fit_rigid(best_.points);
+    if (!reference_from_query) { return; }
+    evaluate(*reference_from_query, reference, refined_);
+    if (!(refined_.residual < best_.residual)) { return; }
+    std::swap(best_, refined_);
+  }
+}
+
+std::vector<Match> with_distances(std::span<const IndexPair> inliers, std::span<const Match> matches, Distance distance,
+                                  const DescriptorRows& query, const DescriptorRows& reference) {
+  std::vector<Match> result;
+  result.reserve(inliers.size());
+  for (const auto& [i, j] : inliers) {
+    const auto same = std::ranges::find_if(
+        matches, [i = i, j = j](const Match& match) { return match.query == i && match.reference == j; });
+    const float known = same != matches.end() ? same->distance : descriptor_distance(distance, query, i, reference, j);
+    result.push_back({i, j, known});
+  }
+  return result;
+}
+
+std::optional<Alignment> align(const Features& query, const Features& reference, std::span<const Match> matches,
+                               const RansacParams& params) {
+  const KeypointTable query_table = table_of(query.keypoints);
+  const KeypointTable reference_table = table_of(reference.keypoints);
+  Ransac ransac(params);
+  ransac.set_query(query_table.columns());
+  const std::optional<PairAlignment> found = ransac.align(reference_table.columns(), matches);
+  if (!found) { return std::nullopt; }
+  return Alignment{found->reference_from_query, ransac.covariance(),
+                   with_distances(ransac.inliers(), matches, Distance::chi_square, rows_of(query.descriptors),
+                                  rows_of(reference.descriptors)),
+                   found->residual};
+}
+
+}  // namespace flirt

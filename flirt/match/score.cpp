@@ -1,0 +1,247 @@
+// flirt/match/score.cpp: scoring and pre-checks of hypotheses, compiled once per instruction set.
+#include "flirt/match/score.hpp"
+
+#include "flirt/core/assert.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "flirt/match/score.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "flirt/match/lanes-inl.hpp"
+// clang-format on
+
+HWY_BEFORE_NAMESPACE();
+namespace flirt::HWY_NAMESPACE {
+namespace {
+
+/// The query points of one group of 16 after a motion.
+struct MovedGroup {
+  FloatVector x[parts];
+  FloatVector y[parts];
+};
+
+HWY_INLINE MovedGroup move_group(const Motion& motion, const float* x, const float* y) {
+  const Floats d;
+  const auto cosine = hn::Set(d, motion.cosine);
+  const auto sine = hn::Set(d, motion.sine);
+  MovedGroup moved;
+  for (std::size_t part = 0; part < parts; ++part) {
+    const auto from_x = hn::LoadU(d, x + part * lanes);
+    const auto from_y = hn::LoadU(d, y + part * lanes);
+    moved.x[part] = hn::Add(hn::Sub(hn::Mul(cosine, from_x), hn::Mul(sine, from_y)), hn::Set(d, motion.x));
+    moved.y[part] = hn::Add(hn::Add(hn::Mul(sine, from_x), hn::Mul(cosine, from_y)), hn::Set(d, motion.y));
+  }
+  return moved;
+}
+
+HWY_INLINE FloatVector squared_distance(const MovedGroup& moved, std::size_t part, FloatVector x, FloatVector y) {
+  const auto dx = hn::Sub(moved.x[part], x);
+  const auto dy = hn::Sub(moved.y[part], y);
+  return hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
+}
+
+float truncated_cost(const Motion& motion, const ScoredPoints& query, const KeypointColumns& reference, float limit,
+                     float give_up) {
+  const Floats d;
+  float cost = 0.0F;
+  for (std::size_t first = 0; first < query.count; first += 16) {
+    const MovedGroup moved = move_group(motion, query.x.data() + first, query.y.data() + first);
+    FloatVector smallest[parts];
+    for (auto& part : smallest) { part = hn::Set(d, limit); }
+    for (std::size_t j = 0; j < reference.size(); ++j) {
+      const auto x = hn::Set(d, reference.x[j]);
+      const auto y = hn::Set(d, reference.y[j]);
+      for (std::size_t part = 0; part < parts; ++part) {
+        smallest[part] = hn::Min(smallest[part], squared_distance(moved, part, x, y));
+      }
+    }
+    for (std::size_t part = 0; part < parts; ++part) {
+      smallest[part] = hn::Mul(smallest[part], hn::LoadU(d, query.weight.data() + first + part * lanes));
+    }
+    cost += sum_of_group(smallest);
+    if (cost > give_up) { break; }
+  }
+  return cost;
+}
+
+void nearest_points(const Motion& motion, const ScoredPoints& query, const KeypointColumns& reference,
+                    std::uint32_t* nearest) {
+  const Floats d;
+  const hn::RebindToUnsigned<Floats> du;
+  for (std::size_t first = 0; first < query.count; first += 16) {
+    const MovedGroup moved = move_group(motion, query.x.data() + first, query.y.data() + first);
+    for (std::size_t part = 0; part < parts; ++part) {
+      auto smallest = hn::Set(d, 3e38F);
+      auto index = hn::Zero(du);
+      for (std::uint32_t j = 0; j < reference.size(); ++j) {
+        const auto squared = squared_distance(moved, part, hn::Set(d, reference.x[j]), hn::Set(d, reference.y[j]));
+        const auto smaller = hn::Lt(squared, smallest);
+        smallest = hn::IfThenElse(smaller, squared, smallest);
+        index = hn::IfThenElse(hn::RebindMask(du, smaller), hn::Set(du, j), index);
+      }
+      hn::StoreU(index, du, nearest + first + part * lanes);
+    }
+  }
+}
+
+/// Bits of the candidates [first, first + lanes) that may move together with candidate j.
+HWY_INLINE std::uint32_t rigid_bits(const CandidateColumns& c, std::size_t j, const PairLimits& limits,
+                                    std::size_t first) {
+  const Floats d;
+  const auto query_x = hn::Sub(hn::LoadU(d, c.query_x.data() + first), hn::Set(d, c.query_x[j]));
+  const auto query_y = hn::Sub(hn::LoadU(d, c.query_y.data() + first), hn::Set(d, c.query_y[j]));
+  const auto reference_x = hn::Sub(hn::LoadU(d, c.reference_x.data() + first), hn::Set(d, c.reference_x[j]));
+  const auto reference_y = hn::Sub(hn::LoadU(d, c.reference_y.data() + first), hn::Set(d, c.reference_y[j]));
+  const auto query_squared = hn::Add(hn::Mul(query_x, query_x), hn::Mul(query_y, query_y));
+  const auto reference_squared = hn::Add(hn::Mul(reference_x, reference_x), hn::Mul(reference_y, reference_y));
+
+  const auto change = hn::Sub(query_squared, reference_squared);
+  const auto allowed = hn::Mul(hn::Set(d, 8.0F * limits.length_change), hn::Add(query_squared, reference_squared));
+  auto rigid = hn::Le(hn::Mul(change, change), allowed);
+  rigid = hn::And(rigid, hn::Gt(hn::Min(query_squared, reference_squared), hn::Set(d, limits.shortest_squared)));
+
+  // The segment's turn, as a complex number of length d1·d2, against the turns of both keypoints.
+  const auto turn_x = hn::Add(hn::Mul(query_x, reference_x), hn::Mul(query_y, reference_y));
+  const auto turn_y = hn::Sub(hn::Mul(query_x, reference_y), hn::Mul(query_y, reference_x));
+  const auto least = hn::Mul(hn::Set(d, limits.turn_cosine), hn::Sqrt(hn::Mul(query_squared, reference_squared)));
+  const auto with_i = hn::Add(hn::Mul(turn_x, hn::LoadU(d, c.turn_cosine.data() + first)),
+                              hn::Mul(turn_y, hn::LoadU(d, c.turn_sine.data() + first)));
+  const auto with_j =
+      hn::Add(hn::Mul(turn_x, hn::Set(d, c.turn_cosine[j])), hn::Mul(turn_y, hn::Set(d, c.turn_sine[j])));
+  rigid = hn::And(rigid, hn::Ge(hn::Min(with_i, with_j), least));
+
+  std::uint8_t mask[8] = {};
+  hn::StoreMaskBits(d, rigid, mask);
+  return static_cast<std::uint32_t>(mask[0]) | (lanes > 8 ? static_cast<std::uint32_t>(mask[1]) << 8U : 0U);
+}
+
+std::size_t rigid_partners(const CandidateColumns& candidates, std::size_t j, const PairLimits& limits,
+                           std::uint32_t* partners) {
+  std::size_t found = 0;
+  for (std::size_t first = 0; first < j; first += lanes) {
+    std::uint32_t bits = rigid_bits(candidates, j, limits, first);
+    if (j - first < lanes) { bits &= (1U << (j - first)) - 1U; }
+    for (; bits != 0; bits &= bits - 1) {
+      partners[found++] = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(std::countr_zero(bits));
+    }
+  }
+  return found;
+}
+
+}  // namespace
+}  // namespace flirt::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace flirt {
+namespace {
+
+HWY_EXPORT(truncated_cost);
+HWY_EXPORT(nearest_points);
+HWY_EXPORT(rigid_partners);
+
+std::size_t padded(std::size_t count) {
+  return (count + 15) / 16 * 16;
+}
+
+/// From candidate i to candidate j, in both scans.
+struct Segment {
+  float query_x, query_y, reference_x, reference_y;  ///< m
+
+  /// The turn from query to reference as a complex number; its length is the product of both lengths.
+  [[nodiscard]] float turn_x() const { return query_x * reference_x + query_y * reference_y; }
+  [[nodiscard]] float turn_y() const { return query_x * reference_y - query_y * reference_x; }
+};
+
+Segment segment_of(const CandidateColumns& c, std::size_t i, std::size_t j) {
+  return {c.query_x[j] - c.query_x[i], c.query_y[j] - c.query_y[i], c.reference_x[j] - c.reference_x[i],
+          c.reference_y[j] - c.reference_y[i]};
+}
+
+}  // namespace
+
+Motion motion_of(const Pose2& pose) {
+  return {static_cast<float>(std::cos(pose.theta)), static_cast<float>(std::sin(pose.theta)),
+          static_cast<float>(pose.x), static_cast<float>(pose.y)};
+}
+
+Pose2 pose_of(const Motion& motion) {
+  return {double{motion.x}, double{motion.y}, wrap_angle(std::atan2(double{motion.sine}, double{motion.cosine}))};
+}
+
+void ScoredPoints::assign(const KeypointColumns& keypoints) {
+  count = keypoints.size();
+  x.assign(padded(count), 0.0F);
+  y.assign(padded(count), 0.0F);
+  weight.assign(padded(count), 0.0F);
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool in_sight = std::abs(keypoints.x[i]) < out_of_sight;
+    x[i] = in_sight ? keypoints.x[i] : 0.1F * out_of_sight;  // elsewhere than such points of the reference
+    y[i] = in_sight ? keypoints.y[i] : 0.0F;
+    weight[i] = 1.0F;
+  }
+}
+
+float truncated_cost(const Motion& reference_from_query, const ScoredPoints& query, const KeypointColumns& reference,
+                     float limit, float give_up) {
+  return HWY_DYNAMIC_DISPATCH(truncated_cost)(reference_from_query, query, reference, limit, give_up);
+}
+
+void nearest_points(const Motion& reference_from_query, const ScoredPoints& query, const KeypointColumns& reference,
+                    std::span<std::uint32_t> nearest) {
+  FLIRT_ASSERT(nearest.size() >= padded(query.count));
+  HWY_DYNAMIC_DISPATCH(nearest_points)(reference_from_query, query, reference, nearest.data());
+}
+
+void CandidateColumns::resize(std::size_t candidates) {
+  count = candidates;
+  for (std::vector<float>* column : {&query_x, &query_y, &reference_x, &reference_y, &turn_cosine, &turn_sine}) {
+    column->resize(std::max(column->size(), padded(candidates)), 0.0F);
+  }
+}
+
+std::size_t rigid_partners(const CandidateColumns& candidates, std::size_t j, const PairLimits& limits,
+                           std::span<std::uint32_t> partners) {
+  FLIRT_ASSERT(j < candidates.count && partners.size() >= padded(j));
+  return HWY_DYNAMIC_DISPATCH(rigid_partners)(candidates, j, limits, partners.data());
+}
+
+bool is_rigid_pair(const CandidateColumns& candidates, std::size_t i, std::size_t j, const PairLimits& limits) {
+  const Segment segment = segment_of(candidates, i, j);
+  const float query_squared = segment.query_x * segment.query_x + segment.query_y * segment.query_y;
+  const float reference_squared = segment.reference_x * segment.reference_x + segment.reference_y * segment.reference_y;
+  const float change = query_squared - reference_squared;
+  const float least = limits.turn_cosine * std::sqrt(query_squared * reference_squared);
+  const auto agrees = [&](std::size_t k) {
+    return segment.turn_x() * candidates.turn_cosine[k] + segment.turn_y() * candidates.turn_sine[k] >= least;
+  };
+  return change * change <= 8.0F * limits.length_change * (query_squared + reference_squared) &&
+         std::min(query_squared, reference_squared) > limits.shortest_squared && agrees(i) && agrees(j);
+}
+
+float squared_distance_after(const Motion& motion, const CandidateColumns& c, std::size_t i) {
+  const float dx = motion.cosine * c.query_x[i] - motion.sine * c.query_y[i] + motion.x - c.reference_x[i];
+  const float dy = motion.sine * c.query_x[i] + motion.cosine * c.query_y[i] + motion.y - c.reference_y[i];
+  return dx * dx + dy * dy;
+}
+
+Motion motion_of_segment(const CandidateColumns& c, std::size_t i, std::size_t j) {
+  const Segment segment = segment_of(c, i, j);
+  const float turn_x = segment.turn_x();
+  const float turn_y = segment.turn_y();
+  const float length = std::sqrt(turn_x * turn_x + turn_y * turn_y);
+  const float cosine = turn_x / length;
+  const float sine = turn_y / length;
+  const float middle_x = 0.5F * (c.query_x[i] + c.query_x[j]);
+  const float middle_y = 0.5F * (c.query_y[i] + c.query_y[j]);
+  return {cosine, sine, 0.5F * (c.reference_x[i] + c.reference_x[j]) - (cosine * middle_x - sine * middle_y),
+          0.5F * (c.reference_y[i] + c.reference_y[j]) - (sine * middle_x + cosine * middle_y)};
+}
+
+}  // namespace flirt
+#endif

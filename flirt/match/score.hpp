@@ -1,0 +1,77 @@
+// flirt/match/score.hpp: the three inner loops of the search for a rigid motion, vectorised.
+#pragma once
+
+#include "flirt/core/pose2.hpp"
+#include "flirt/match/columns.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace flirt {
+
+/// A rigid motion in single precision with its rotation ready for use: reference_from_query.
+struct Motion {
+  float cosine{1};
+  float sine{0};
+  float x{0};  ///< m
+  float y{0};  ///< m
+};
+[[nodiscard]] Motion motion_of(const Pose2& pose);
+[[nodiscard]] Pose2 pose_of(const Motion& motion);
+
+/// Query keypoints padded to groups of 16; padding has weight 0.
+struct ScoredPoints {
+  std::vector<float> x;       ///< m, query frame
+  std::vector<float> y;       ///< m, query frame
+  std::vector<float> weight;  ///< 1 for a point
+  std::size_t count{0};
+
+  void assign(const KeypointColumns& keypoints);
+};
+
+/// Σ over query points of min(d², limit), d the distance to the nearest reference point after the motion, m². Once the
+/// sum exceeds `give_up` the rest is left out: some number above `give_up` comes back. O(query · reference).
+[[nodiscard]] float truncated_cost(const Motion& reference_from_query, const ScoredPoints& query,
+                                   const KeypointColumns& reference, float limit, float give_up);
+
+/// For each query point the nearest reference point after the motion, of equal ones the first; `nearest` has room for
+/// the padded count.
+void nearest_points(const Motion& reference_from_query, const ScoredPoints& query, const KeypointColumns& reference,
+                    std::span<std::uint32_t> nearest);
+
+/// Candidate correspondences as columns, padded to groups of 16: both points and the turn of the keypoint's direction.
+struct CandidateColumns {
+  std::vector<float> query_x, query_y;          ///< m, query frame
+  std::vector<float> reference_x, reference_y;  ///< m, reference frame
+  std::vector<float> turn_cosine, turn_sine;    ///< of (direction in the reference − direction in the query)
+  std::size_t count{0};
+
+  void resize(std::size_t candidates);
+};
+
+/// When two candidates may be two points of one rigid body.
+struct PairLimits {
+  float length_change{0};     ///< m², bound on (d1² − d2²)² / (8 (d1² + d2²)), d the segment in query and reference
+  float shortest_squared{0};  ///< m², segments must be longer than that in both scans
+  float turn_cosine{-2};      ///< cosine of the largest angle between the segment's turn and a keypoint's; −2: any
+};
+
+/// The candidates i < j that may move together with candidate j, in rising order, written to `partners` (room for j
+/// rounded up to 16). Returns their number. O(j).
+std::size_t rigid_partners(const CandidateColumns& candidates, std::size_t j, const PairLimits& limits,
+                           std::span<std::uint32_t> partners);
+
+/// The same test for one pair, i ≠ j.
+[[nodiscard]] bool is_rigid_pair(const CandidateColumns& candidates, std::size_t i, std::size_t j,
+                                 const PairLimits& limits);
+
+/// Between the two keypoints of candidate i after the motion, m².
+[[nodiscard]] float squared_distance_after(const Motion& reference_from_query, const CandidateColumns& candidates,
+                                           std::size_t i);
+
+/// The motion that maps the middle and the direction of segment (i, j): least squares over two pairs.
+[[nodiscard]] Motion motion_of_segment(const CandidateColumns& candidates, std::size_t i, std::size_t j);
+
+}  // namespace flirt
