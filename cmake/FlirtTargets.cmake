@@ -21,4 +21,18 @@ function(flirt_module name)
   target_compile_features(flirt_${name} ${scope} cxx_std_20)
   target_include_directories(flirt_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include>)
   target_link_libraries(flirt_${name} ${scope} ${ARG_USES} ${ARG_LINK})
+  set_target_properties(flirt_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  install(TARGETS flirt_${name} EXPORT flirtTargets)
+endfunction()
+
+# flirt_install(): headers and the package that find_package(flirt) reads.
+function(flirt_install)
+  include(GNUInstallDirs)
+  include(CMakePackageConfigHelpers)
+  install(TARGETS flirt EXPORT flirtTargets)
+  install(EXPORT flirtTargets NAMESPACE flirt:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/flirt)
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/flirt" DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp")
+  write_basic_package_version_file("${PROJECT_BINARY_DIR}/flirtConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+  install(FILES "${PROJECT_SOURCE_DIR}/cmake/flirtConfig.cmake" "${PROJECT_BINARY_DIR}/flirtConfigVersion.cmake"
+          DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/flirt)
 endfunction()
