@@ -1,0 +1,179 @@
+#!/usr/bin/env python3
+"""The program from outside: commands, exit codes, messages and the JSON contract.
+
+usage: cli_test.py FLIRT_PROGRAM
+"""
+import csv
+import gzip
+import json
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+FLIRT = ""
+
+
+def run(*arguments: object) -> subprocess.CompletedProcess:
+    return subprocess.run([FLIRT, *map(str, arguments)], capture_output=True, text=True, check=False, timeout=300)
+
+
+class Cli(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.work = pathlib.Path(cls.folder.name)
+        cls.log = cls.work / "building.log"
+        cls.truth = cls.work / "building.truth.tum"
+        done = run("simulate", "-o", cls.log, "--seed", 3, "--quiet")
+        assert done.returncode == 0, done.stderr
+        cls.map = cls.work / "building.flirt"
+        done = run("map", cls.log, "--poses", cls.truth, "-o", cls.map, "--quiet")
+        assert done.returncode == 0, done.stderr
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def ok(self, *arguments: object) -> subprocess.CompletedProcess:
+        done = run(*arguments)
+        self.assertEqual(done.returncode, 0, f"{arguments}\n{done.stdout}\n{done.stderr}")
+        return done
+
+    def json(self, *arguments: object) -> dict:
+        return json.loads(self.ok(*arguments, "--json", "-").stdout)
+
+    def test_every_command_has_help_with_an_example(self):
+        for command in (["info"], ["detect"], ["match"], ["map"], ["localize"], ["simulate"], ["bench", "localization"]):
+            self.assertIn("Example: flirt " + command[0], self.ok(*command, "--help").stdout)
+
+    def test_version_names_the_commit(self):
+        self.assertRegex(self.ok("--version").stdout, r"flirt \d+\.\d+\.\d+ \(\w+")
+
+    def test_usage_errors_exit_1(self):
+        for arguments in ([], ["nonsense"], ["info"], ["info", self.log, "--nonsense"], ["detect", self.log, "--detector", "x"],
+                          ["match", self.log, "--scan", 0, "--against", 1, "--ransac-inlier-distance", "-1"],
+                          ["match", self.log, "--scan", 0, "--against", 1, "--ransac-inlier-distance", "soon"]):
+            done = run(*arguments)
+            self.assertEqual(done.returncode, 1, f"{arguments}: {done.stderr}")
+            self.assertNotEqual(done.stderr, "")
+
+    def test_bad_input_exits_2_with_file_and_line(self):
+        broken = self.work / "broken.log"
+        broken.write_text("# comment\nFLASER 3 1.0 2.0\n")
+        done = run("info", broken)
+        self.assertEqual(done.returncode, 2)
+        self.assertTrue(done.stderr.startswith(f"flirt: {broken}:2: "), done.stderr)
+        self.assertEqual(run("info", self.work / "missing.log").returncode, 2)
+        self.assertEqual(run("localize", self.log, self.log).returncode, 2, "a log is no map")
+        cut = self.work / "cut.flirt"
+        cut.write_bytes(self.map.read_bytes()[:-1])
+        self.assertEqual(run("localize", cut, self.log).returncode, 2)
+
+    def test_nothing_is_half_written(self):
+        target = self.work / "no" / "such" / "folder" / "map.flirt"
+        self.assertEqual(run("map", self.log, "--poses", self.truth, "-o", target).returncode, 2)
+        self.assertFalse(target.exists())
+        self.assertEqual([p for p in self.work.rglob("*") if "tmp" in p.name], [])
+
+    def test_info_counts_scans_and_says_what_it_skipped(self):
+        info = self.json("info", self.log)
+        self.assertGreater(info["scans"], 100)
+        self.assertEqual(info["beams"], 360)
+        packed = self.work / "packed.log.gz"
+        packed.write_bytes(gzip.compress(self.log.read_bytes()))
+        self.assertEqual(self.json("info", packed)["scans"], info["scans"])
+
+    def test_detect_prints_one_json_line_a_scan(self):
+        lines = self.ok("detect", self.log, "--scan", 5, "--json", "-").stdout.splitlines()
+        self.assertEqual(len(lines), 1)
+        scan = json.loads(lines[0])
+        self.assertEqual(scan["scan"], 5)
+        for keypoint in scan["keypoints"]:
+            self.assertEqual(len(keypoint["descriptor"]), 48)
+            self.assertAlmostEqual(sum(keypoint["descriptor"]), 1, places=4)
+
+    def test_all_detectors_and_descriptors_draw_their_picture(self):
+        for detector in ("curvature", "range", "normal-edge", "normal-blob"):
+            for descriptor in ("beta-grid", "shape-context"):
+                picture = self.work / f"{detector}-{descriptor}.svg"
+                self.ok("detect", self.log, "--scan", 3, "--detector", detector, "--descriptor", descriptor, "--svg", picture)
+                self.assertIn("<svg", picture.read_text())
+
+    def test_a_scan_matches_itself_exactly(self):
+        result = self.json("match", self.log, "--scan", 10, "--against", 10)
+        pose = result["alignment"]["reference_from_query"]
+        self.assertAlmostEqual(math.hypot(pose["x"], pose["y"]), 0, places=4)
+
+    def test_config_file_lies_between_defaults_and_flags(self):
+        config = self.work / "flirt.toml"
+        config.write_text("[ransac]\ninlier_distance = 0.2\nmin_inliers = 4\n")
+        result = self.json("match", self.log, "--scan", 1, "--against", 2, "--config", config, "--ransac-min-inliers", 5)
+        self.assertEqual(result["params"]["ransac"]["inlier_distance"], 0.2)
+        self.assertEqual(result["params"]["ransac"]["min_inliers"], 5)
+        config.write_text("[ransac]\ninlier_distanse = 0.2\n")
+        done = run("match", self.log, "--scan", 1, "--against", 2, "--config", config)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn(f"{config}:2: ", done.stderr)
+
+    def test_localize_finds_a_scan_of_the_map(self):
+        result = self.json("localize", self.map, self.log, "--scan", 20)
+        query = result["queries"][0]
+        self.assertEqual(query["scan"], 20)
+        self.assertIn(query["verdict"], ("unique", "ambiguous"))
+        best = query["hypotheses"][0]
+        self.assertEqual(len(best["covariance"]), 9)
+        with open(self.truth, encoding="utf-8") as file:
+            truth = [line.split() for line in file if not line.startswith("#")][20]
+        # The robot's true pose; the scanner of the default robot sits less than half a metre from its centre.
+        self.assertLess(math.hypot(best["x"] - float(truth[1]), best["y"] - float(truth[2])), 0.5)
+
+    def test_a_lost_scan_exits_4(self):
+        blind = self.work / "blind.log"
+        blind.write_text("FLASER 4 81.83 81.83 81.83 81.83 0 0 0 0 0 0 1.0 host 1.0\n")
+        done = run("localize", self.map, blind, "--scan", 0, "--json", "-")
+        self.assertEqual(done.returncode, 4)
+        self.assertEqual(json.loads(done.stdout)["queries"][0]["verdict"], "lost")
+
+    def test_localize_is_the_same_on_any_number_of_threads(self):
+        def poses(threads):
+            result = self.json("localize", self.map, self.log, "--every", 50, "--threads", threads)
+            return [[(h["x"], h["y"], h["theta"]) for h in query["hypotheses"]] for query in result["queries"]]
+        self.assertEqual(poses(1), poses(3))
+
+    def test_bench_localization_keeps_its_contract(self):
+        out = self.work / "bench"
+        for protocol in ("paper", "revisit"):
+            # Simulated logs carry odometry as their pose; it serves here, since only the form is looked at.
+            result = self.json("bench", "localization", self.log, "--protocol", protocol, "--every", 40, "-o", out)
+            for key in ("log", "protocol", "queries", "answerable", "features_per_scan", "time_us", "map_scans", "params",
+                        "seed", "commit", "cpu"):
+                self.assertIn(key, result)
+            for key in ("detect", "describe", "per_query_median", "per_query_p95", "per_pair"):
+                self.assertIn(key, result["time_us"])
+            if protocol == "paper":
+                for strategy in ("closest", "corresp", "residual"):
+                    curve = result["strategies"][strategy]
+                    self.assertEqual(curve["n_min"], list(range(3, 16)))
+                    self.assertEqual(len(curve["precision"]), 13)
+                    self.assertIn("p_gl", curve)
+                    self.assertIn("p_cl", curve)
+            else:
+                for key in ("recall_at_95", "recall_at_99", "recall_at_100", "average_precision", "success"):
+                    self.assertIn(key, result["revisit"])
+            with open(out / "queries.csv", encoding="utf-8") as file:
+                rows = list(csv.DictReader(file))
+            self.assertEqual(list(rows[0]), "query,strategy,answerable,reference,x,y,theta,confidence,inliers,residual,"
+                                            "verdict,correct".split(","))
+            self.assertEqual(len(rows), result["queries"] * (3 if protocol == "paper" else 1))
+            if protocol == "paper":
+                correct = sum(row["correct"] == "1" for row in rows if row["strategy"] == "residual")
+                self.assertAlmostEqual(correct / result["queries"], result["strategies"]["residual"]["p_gl"])
+            self.assertIn("<svg", (out / "report.html").read_text())
+
+
+if __name__ == "__main__":
+    FLIRT = sys.argv.pop(1)
+    unittest.main()
