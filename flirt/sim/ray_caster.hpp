@@ -1,0 +1,59 @@
+// flirt/sim/ray_caster.hpp: exact distances along rays through a floor plan.
+#pragma once
+
+#include "flirt/core/scan.hpp"
+#include "flirt/sim/cell_grid.hpp"
+#include "flirt/sim/floor_plan.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace flirt {
+
+/// Where a ray meets a surface.
+struct RayHit {
+  double range{0};  ///< m
+  Material material{Material::solid};
+  double cosine{1};  ///< of the angle between the ray and the surface's normal, 0..1
+};
+
+/// Answers rays against a plan that does not change. Surfaces are what the plan says, to 1e-9 m: ends belong to their
+/// segments, a ray along a segment meets its nearer end, and a ray that starts on a segment, within a disc or within an
+/// occupied pixel has range 0. About 50 ns a ray in an office, whatever the size of the building.
+class RayCaster {
+ public:
+  explicit RayCaster(const FloorPlan& plan);
+
+  /// The first surface at a distance in [from, to]; `direction` has length 1. Nothing: beams that leave.
+  [[nodiscard]] std::optional<RayHit> first_hit(Point2 origin, Point2 direction, double from, double to) const;
+
+  /// Distance to the first surface, of glass or not; max_range when there is none within it. Angle in rad, map frame.
+  [[nodiscard]] double cast(Point2 origin, double angle, double max_range) const;
+
+  /// The same for each of `count` beams of a scanner, up to beams.range_max.
+  [[nodiscard]] std::vector<double> cast(const Pose2& map_from_sensor, const Beams& beams, std::size_t count) const;
+
+ private:
+  struct Surface {
+    Point2 begin;
+    Point2 along;      ///< end - begin
+    double tolerance;  ///< share of the length by which both ends are extended
+    Material material;
+  };
+  void place_surfaces();
+  void place_pixels(const PixelPlan& image);
+  [[nodiscard]] RayHit nearest_surface(Point2 origin, Point2 direction, double from, double to) const;
+  [[nodiscard]] RayHit nearest_pixel(Point2 origin, Point2 direction, double from, double to) const;
+
+  std::vector<Surface> surfaces_;
+  std::vector<PlanDisc> discs_;
+  CellGrid cells_;
+  std::vector<std::uint32_t> first_of_cell_;  ///< cells + 1; into items_
+  std::vector<std::uint32_t> items_;          ///< a surface's number, or surfaces + a disc's number
+  CellGrid pixels_;
+  Pose2 image_from_map_;
+};
+
+}  // namespace flirt
