@@ -12,14 +12,15 @@ ALLOWED = {
     "features": {"core"},
     "match": {"core", "features"},
     "grid": {"core"},
-    "map": {"core", "features", "match", "grid"},
+    "registration": {"core", "grid"},
+    "map": {"core", "features", "match", "grid", "registration"},
     "sim": {"core", "grid"},
-    "eval": {"core", "features", "match", "grid", "map"},
-    "io": {"core", "features", "match", "grid", "map", "eval", "sim"},
-    "report": {"core", "features", "match", "grid", "map", "eval", "io"},
+    "eval": {"core", "features", "match", "grid", "registration", "map"},
+    "io": {"core", "features", "match", "grid", "registration", "map", "eval", "sim"},
+    "report": {"core", "features", "match", "grid", "registration", "map", "eval", "io"},
 }
 # These also compile where there is no file system: no files, no text parsing, no exceptions.
-PURE = {"core", "features", "match", "grid", "map"}
+PURE = {"core", "features", "match", "grid", "registration", "map"}
 IMPURE_HEADERS = {"filesystem", "fstream", "iostream", "cstdio", "charconv", "sstream", "stdexcept", "exception"}
 PURE_EXCEPTIONS = {"flirt/core/assert.hpp"}  # prints before it aborts, in checked builds only
 
