@@ -169,7 +169,7 @@ std::span<const Nearest> NearestRows::search(const DescriptorRows& reference, fl
      std::min<std::size_t>(16, query_.count - first), reference, limit, dots_.data(), nearest_.data() + first);
   }
   for (Nearest& nearest : nearest_) {
-    if (nearest.reference == reference.count) { nearest = {}; }
+    if (!(nearest.distance < limit)) { nearest = {}; }
   }
   return nearest_;
 }
