@@ -1,0 +1,96 @@
+// flirt/io/log.hpp: one call that reads a log of scans, whatever its format, and tells what it found.
+#pragma once
+
+#include "flirt/core/parallel.hpp"
+#include "flirt/core/result.hpp"
+#include "flirt/core/scan.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace flirt {
+
+/// What to do with a line of a known kind that cannot be read.
+enum class BrokenLines : std::uint8_t {
+  strict,   ///< an error with its line number
+  lenient,  ///< skipped and counted
+};
+
+struct ReadOptions {
+  BrokenLines broken_lines{BrokenLines::strict};
+  std::optional<double>
+      range_max{};        ///< m, > 0; readings of this length or more are no return; else found from the log
+  std::string message{};  ///< kind of scan lines to read, as "RAWLASER1"; empty: the first that appears
+};
+
+/// What the poses of a log are.
+enum class PoseSource : std::uint8_t {
+  none,                    ///< it has none
+  odometry,                ///< the robot's dead reckoning: in ScanLog::map_from_robot as in Scan::odom_from_robot
+  corrected,               ///< corrected by SLAM, or true; no odometry
+  corrected_and_odometry,  ///< both, in their two places
+};
+[[nodiscard]] constexpr auto enum_names(PoseSource) {
+  return std::array{std::pair{PoseSource::none, std::string_view("none")},
+                    std::pair{PoseSource::odometry, std::string_view("odometry")},
+                    std::pair{PoseSource::corrected, std::string_view("corrected")},
+                    std::pair{PoseSource::corrected_and_odometry, std::string_view("corrected_and_odometry")}};
+}
+
+/// How the longest valid range was found.
+enum class RangeMaxSource : std::uint8_t {
+  option,    ///< ReadOptions::range_max
+  declared,  ///< the log says so, in its scan lines or its parameters
+  assumed,   ///< the log does not say: 50 m
+  detected,  ///< readings pile up at one value below what was declared or assumed: that value is "no return"
+};
+[[nodiscard]] constexpr auto enum_names(RangeMaxSource) {
+  return std::array{std::pair{RangeMaxSource::option, std::string_view("option")},
+                    std::pair{RangeMaxSource::declared, std::string_view("declared")},
+                    std::pair{RangeMaxSource::assumed, std::string_view("assumed")},
+                    std::pair{RangeMaxSource::detected, std::string_view("detected")}};
+}
+
+/// Lines by their kind: the first word, "#" for comments, "(unreadable)" for what is no word.
+using LineCounts = std::map<std::string, std::size_t, std::less<>>;
+
+/// What was read, what was skipped, and what is odd about the log.
+struct LogReport {
+  std::string format{};   ///< "CARMEN"
+  std::string message{};  ///< kind of the scan lines that were read
+  bool is_gzip{false};
+  std::size_t lines{0};
+  LineCounts lines_used{};
+  LineCounts lines_skipped{};
+  std::size_t broken_lines{0};                 ///< skipped because they cannot be read (lenient)
+  std::vector<std::string> broken_messages{};  ///< of the first few of them
+  PoseSource poses{PoseSource::none};
+  bool odometry_repeats_pose{false};  ///< the log's odometry fields repeat its corrected poses: they were not used
+  RangeMaxSource range_max_source{RangeMaxSource::assumed};
+  std::size_t stamps_backwards{0};  ///< scans stamped earlier than the scan before
+  bool stamps_constant{false};      ///< all scans (two or more) have the same stamp
+  int stamp_digits{0};              ///< most significant digits of any stamp; 6 or fewer: probably destroyed in writing
+};
+
+/// What a user should know about the log before trusting it, one sentence each; empty when all is well.
+[[nodiscard]] std::vector<std::string> observations(const LogReport& report);
+
+struct LoadedLog {
+  ScanLog log{};
+  LogReport report{};
+};
+
+/// Reads a log, plain or gzip; the format is told from the content. Formats: CARMEN (see flirt/io/carmen.hpp).
+/// Errors name the file and, where there is one, the line. O(bytes); memory is that of the scans.
+[[nodiscard]] Result<LoadedLog> read_log(const std::filesystem::path& path, const ReadOptions& options = {},
+                                         const Progress& progress = {});
+
+}  // namespace flirt
