@@ -1,0 +1,63 @@
+// flirt/features/curve_smoothing.hpp: the curve of a scan at several scales, independent of how densely it is sampled.
+#pragma once
+
+#include "flirt/features/aligned.hpp"
+#include "flirt/features/geodesic.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace flirt {
+
+/// A smoothed curve.
+struct SmoothedCurve {
+  std::vector<double> x;  ///< m
+  std::vector<double> y;  ///< m
+};
+
+/// Geodesic distance outside of which a Gaussian of standard deviation 1 has `lost_mass`; infinite for 0.
+[[nodiscard]] double gaussian_reach(double lost_mass);
+
+/// Smooths a curve along its geodesic coordinate with a Gaussian of standard deviation t, normalised by the density of
+/// the samples so that the result belongs to the curve and not to its sampling:
+///
+///   k_ij = exp(−d_ij² / 2t²)                      (P1 eq. 2, P2 eq. 8; d_ij the geodesic distance)
+///   p_i  = Σ_j k_ij                               (P1 eq. 4, P2 eq. 10; the samples themselves carry p(u) du)
+///   S̃_i  = Σ_j k_ij/p_j · α_j / Σ_j k_ij/p_j      (P1 eq. 3 and 5, P2 eq. 9 and 11, divided by the sum of the weights;
+///                                                  p_i cancels)
+///
+/// The object keeps its buffers: no allocation once it has seen a curve of the same size.
+class CurveSmoother {
+ public:
+  /// Smooths with d_ij = |arc_i − arc_j|, or the shorter way around a `closed` curve of length `length`. Pairs further
+  /// apart than reach · t are left out. O(n · points within reach), each pair evaluated once, SIMD.
+  void smooth(std::span<const double> x, std::span<const double> y, std::span<const double> arc, bool closed,
+              double length, double t, double reach, SmoothedCurve& out);
+
+  /// The same over any geodesic distances; pairs further apart than reach · t are left out.
+  void smooth(std::span<const double> x, std::span<const double> y, const GeodesicNeighbours& neighbours, double t,
+              double reach, SmoothedCurve& out);
+
+ private:
+  void lay_out(std::span<const double> arc, bool closed, double length, double reach);
+  void fold(AlignedDoubles& sums, std::size_t n) const;
+
+  AlignedDoubles arc_;              ///< arc lengths, those of the ghosts (points met again after one turn) behind
+  std::vector<std::uint32_t> end_;  ///< row i pairs point i with i + 1 .. end_[i]
+  std::size_t extended_{0};         ///< points and ghosts
+  AlignedDoubles kernel_;           ///< k_ij of all rows, padded to whole vectors
+  AlignedDoubles weight_;           ///< 1 / p_j
+  AlignedDoubles weighted_x_;       ///< x_j / p_j, m
+  AlignedDoubles weighted_y_;       ///< y_j / p_j, m
+  AlignedDoubles sum_;              ///< Σ k_ij, then Σ k_ij / p_j
+  AlignedDoubles sum_x_;            ///< Σ k_ij x_j / p_j, m
+  AlignedDoubles sum_y_;            ///< Σ k_ij y_j / p_j, m
+};
+
+/// response_i = z e^−z with z = 2 |x_i − S̃_i| / t (P1 eq. 6, P2 eq. 12). O(n), SIMD.
+void damped_displacement(std::span<const double> x, std::span<const double> y, const SmoothedCurve& smoothed, double t,
+                         std::vector<double>& response);
+
+}  // namespace flirt

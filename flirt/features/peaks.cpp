@@ -1,0 +1,110 @@
+#include "flirt/features/peaks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace flirt {
+namespace {
+
+/// Samples closer than this are equal: rounding differs when the same scan is seen from another heading.
+constexpr double plateau_tolerance{1e-9};
+
+/// The signal, or its negative, with indices that may go around a closed signal once more.
+struct Samples {
+  std::span<const double> signal;
+  double sign;
+
+  [[nodiscard]] double operator[](std::size_t i) const {
+    return sign * signal[i < signal.size() ? i : i - signal.size()];
+  }
+};
+
+struct Collector {
+  const PeakSearch& search;
+  std::size_t n;
+  std::vector<std::uint32_t>& peaks;
+
+  /// The plateau first..last is a peak.
+  void add(std::size_t first, std::size_t last) const {
+    const std::size_t middle = (first + last) / 2 % n;
+    const bool inside = middle > search.margin && middle + search.margin + 1 < n;
+    if (search.closed || inside) { peaks.push_back(static_cast<std::uint32_t>(middle)); }
+  }
+};
+
+/// A sample from which a closed signal can be unrolled without cutting a peak: its lowest.
+std::size_t lowest(const Samples& samples, std::size_t n) {
+  std::size_t lowest = 0;
+  for (std::size_t i = 1; i < n; ++i) {
+    if (samples[i] < samples[lowest]) { lowest = i; }
+  }
+  return lowest;
+}
+
+/// Samples begin .. end − 1, of which the outermost are never peaks.
+struct Stretch {
+  std::size_t begin;
+  std::size_t end;
+};
+
+void peaks_over_neighbours(const Samples& samples, Stretch stretch, const PeakParams& params, const Collector& out) {
+  for (std::size_t first = stretch.begin + 1; first + 1 < stretch.end;) {
+    const double value = samples[first];
+    if (!(value > params.threshold && value - samples[first - 1] > params.difference)) {
+      ++first;
+      continue;
+    }
+    std::size_t last = first;
+    while (last + 1 < stretch.end && std::abs(samples[last + 1] - samples[last]) <= plateau_tolerance) { ++last; }
+    if (last + 1 < stretch.end && samples[last] - samples[last + 1] > params.difference) { out.add(first, last); }
+    first = last + 1;
+  }
+}
+
+void prominent_peaks(const Samples& samples, Stretch stretch, const PeakParams& params, const Collector& out) {
+  double low = samples[stretch.begin];  // since the last peak
+  bool rising = false;                  // more than the difference above `low`: looking for the top
+  double top = 0.0;
+  std::size_t first = 0;
+  std::size_t last = 0;
+  for (std::size_t i = stretch.begin + 1; i < stretch.end; ++i) {
+    const double value = samples[i];
+    if (!rising) {
+      low = std::min(low, value);
+      rising = value - low > params.difference;
+      if (!rising) { continue; }
+      top = value;
+      first = last = i;
+    } else if (value > top + plateau_tolerance) {
+      top = value;
+      first = last = i;
+    } else if (value >= top - plateau_tolerance) {
+      last = i;
+    } else if (top - value > params.difference) {
+      if (top > params.threshold) { out.add(first, last); }
+      rising = false;
+      low = value;
+    }
+  }
+}
+
+}  // namespace
+
+void find_peaks(std::span<const double> signal, const PeakParams& params, const PeakSearch& search,
+                std::vector<std::uint32_t>& peaks) {
+  peaks.clear();
+  const std::size_t n = signal.size();
+  if (n < 3) { return; }
+  const Collector collector{search, n, peaks};
+  const auto find = params.rule == PeakRule::neighbours ? peaks_over_neighbours : prominent_peaks;
+  for (const double sign : {1.0, -1.0}) {
+    if (sign < 0.0 && search.extrema == Extrema::maxima) { break; }
+    const Samples samples{signal, sign};
+    const std::size_t begin = search.closed ? lowest(samples, n) : 0;
+    find(samples, {begin, search.closed ? begin + n + 1 : n}, params, collector);
+  }
+  std::ranges::sort(peaks);
+}
+
+}  // namespace flirt
