@@ -19,7 +19,7 @@ enum class OccupancyEstimate : std::uint8_t {
 };
 [[nodiscard]] constexpr auto enum_names(OccupancyEstimate) {
   return std::array{std::pair{OccupancyEstimate::posterior, std::string_view("posterior")},
-                    std::pair{OccupancyEstimate::raw_ratio, std::string_view("raw_ratio")}};
+                    std::pair{OccupancyEstimate::raw_ratio, std::string_view("raw-ratio")}};
 }
 
 struct BetaGridParams {
@@ -31,7 +31,7 @@ struct BetaGridParams {
   double inner_radius{0.02};                  ///< m; nearer than this belongs to no bin, as the keypoint itself
   double angular_inflation{0.0};  ///< rad; bins reach this far over both of their sides, so that neighbours overlap
   double radial_inflation{0.0};   ///< m; the same for both arcs, but never below the inner radius
-  NoReturn no_return{NoReturn::ignored};                     ///< see there
+  NoReturnMeaning no_return{NoReturnMeaning::ignored};       ///< see there
   OccupancyEstimate estimate{OccupancyEstimate::posterior};  ///< see there
   double prior_hits{1.0};    ///< α0 of the Beta prior of the posterior; 1, 1 is uniform (P1 eq 8, P2 eq 15)
   double prior_misses{1.0};  ///< β0

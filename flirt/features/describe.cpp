@@ -85,11 +85,11 @@ std::variant<BetaGrid, ShapeContext> method_of(const DescriptorParams& params) {
   return ShapeContext(std::get<ShapeContextParams>(params));
 }
 
-NoReturn no_return_of(const BetaGrid& grid) {
+NoReturnMeaning no_return_of(const BetaGrid& grid) {
   return grid.params().no_return;
 }
-NoReturn no_return_of(const ShapeContext& /*shape*/) {
-  return NoReturn::ignored;
+NoReturnMeaning no_return_of(const ShapeContext& /*shape*/) {
+  return NoReturnMeaning::ignored;
 }
 
 }  // namespace

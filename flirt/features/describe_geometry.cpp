@@ -7,13 +7,13 @@ namespace flirt {
 namespace {
 
 /// Length 0 for a beam that says nothing.
-FanBeam beam_of(double range, Point2 direction, const Beams& layout, NoReturn no_return) {
+FanBeam beam_of(double range, Point2 direction, const Beams& layout, NoReturnMeaning no_return) {
   if (!std::isfinite(direction.x) || !std::isfinite(direction.y)) { return {direction, 0.0, false}; }
   switch (classify(range, layout)) {
     case Reading::hit:
       return {direction, range, true};
     case Reading::no_return:
-      return {direction, no_return == NoReturn::free_space ? layout.range_max : 0.0, false};
+      return {direction, no_return == NoReturnMeaning::free_space ? layout.range_max : 0.0, false};
     case Reading::invalid:
       break;
   }
@@ -22,7 +22,7 @@ FanBeam beam_of(double range, Point2 direction, const Beams& layout, NoReturn no
 
 }  // namespace
 
-void BeamFan::assign(const Scan& scan, NoReturn no_return) {
+void BeamFan::assign(const Scan& scan, NoReturnMeaning no_return) {
   const bool same_directions = scan.beams == layout_ && scan.ranges.size() == beams_.size();
   layout_ = scan.beams;
   beams_.resize(scan.ranges.size());

@@ -33,13 +33,13 @@ enum class RadiusRule : std::uint8_t {
 }
 
 /// What a beam without return tells a descriptor.
-enum class NoReturn : std::uint8_t {
+enum class NoReturnMeaning : std::uint8_t {
   ignored,     ///< nothing
   free_space,  ///< that its path is free as far as the sensor sees
 };
-[[nodiscard]] constexpr auto enum_names(NoReturn) {
-  return std::array{std::pair{NoReturn::ignored, std::string_view("ignored")},
-                    std::pair{NoReturn::free_space, std::string_view("free_space")}};
+[[nodiscard]] constexpr auto enum_names(NoReturnMeaning) {
+  return std::array{std::pair{NoReturnMeaning::ignored, std::string_view("ignored")},
+                    std::pair{NoReturnMeaning::free_space, std::string_view("free-space")}};
 }
 
 /// The fields of the tessellation, which both parameter structs have by the same names.
@@ -80,7 +80,7 @@ struct FanBeam {
 class BeamFan {
  public:
   /// O(beams), without trigonometry when the scan before had the same beams. Keeps its memory.
-  void assign(const Scan& scan, NoReturn no_return);
+  void assign(const Scan& scan, NoReturnMeaning no_return);
 
   [[nodiscard]] double angle(std::size_t i) const { return layout_.angle(i); }
 
