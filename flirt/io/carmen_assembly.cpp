@@ -30,8 +30,7 @@ void mount_by_lines(const Gathered& gathered, std::vector<Scan>& scans) {
   Pose2 last;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     const ScanLine& line = gathered.scans[i];
-    Pose2 robot_from_sensor = inverse(*line.second_pose) * *line.first_pose;
-    robot_from_sensor = {robot_from_sensor.x + 0.0, robot_from_sensor.y + 0.0, robot_from_sensor.theta + 0.0};  // no −0
+    const Pose2 robot_from_sensor = inverse(*line.second_pose) * *line.first_pose;
     if (i == 0 || !is_near(robot_from_sensor, last, same_mounting)) { last = robot_from_sensor; }
     scans[i].robot_from_sensor = last;
   }
