@@ -1,0 +1,135 @@
+#include "flirt/map/localize.hpp"
+
+#include "flirt/core/parallel.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+namespace flirt {
+namespace {
+
+/// Microseconds since its construction or its last lap.
+class Stopwatch {
+ public:
+  double lap_us() {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double, std::micro>(now - std::exchange(start_, now)).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_{std::chrono::steady_clock::now()};
+};
+
+/// The covariance of a pose seen from `a` as that of the same pose seen from the map: positions turn, headings don't.
+Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance_in_a, const Pose2& map_from_a) {
+  const double c = std::cos(map_from_a.theta);
+  const double s = std::sin(map_from_a.theta);
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  rotation.topLeftCorner<2, 2>() << c, -s, s, c;
+  return rotation * covariance_in_a * rotation.transpose();
+}
+
+/// What one thread finds in its share of the map.
+struct Finds {
+  std::vector<Hypothesis> hypotheses;
+  bool saw_map_scan{false};
+  bool saw_candidate{false};
+};
+
+void match_map_scan(const PlaceMap& map, std::size_t map_scan, PairMatcher& matcher, Finds& finds) {
+  finds.saw_map_scan = true;
+  const std::optional<PairAlignment> found = matcher.align(map.features(map_scan));
+  finds.saw_candidate = finds.saw_candidate || !matcher.candidates().empty();
+  if (!found) { return; }
+  const Pose2& map_from_reference = map.map_from_sensor(map_scan);
+  finds.hypotheses.push_back({.map_from_sensor = map_from_reference * found->reference_from_query,
+                              .covariance = turned(matcher.details(*found).covariance, map_from_reference),
+                              .map_scan = static_cast<std::uint32_t>(map_scan),
+                              .inliers = found->inliers,
+                              .residual = found->residual});
+}
+
+/// All finds in one. The order is that of the threads: what follows must not rely on it.
+Finds merged(std::vector<Finds> parts) {
+  Finds all = std::move(parts.front());
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    all.hypotheses.insert(all.hypotheses.end(), parts[i].hypotheses.begin(), parts[i].hypotheses.end());
+    all.saw_map_scan = all.saw_map_scan || parts[i].saw_map_scan;
+    all.saw_candidate = all.saw_candidate || parts[i].saw_candidate;
+  }
+  return all;
+}
+
+Reason why_lost(const Finds& finds, std::size_t keypoints, std::uint32_t min_inliers) {
+  if (!finds.saw_map_scan) { return Reason::empty_map; }
+  if (keypoints == 0) { return Reason::no_keypoints; }
+  if (keypoints < min_inliers) { return Reason::few_keypoints; }
+  return finds.saw_candidate ? Reason::few_inliers : Reason::no_match;
+}
+
+void judge(LocalizationResult& result, const LocalizeParams& params) {
+  const Place& first = result.places.front();
+  const bool contested =
+      result.places.size() > 1 && result.places[1].inliers >= params.ambiguity * static_cast<double>(first.inliers);
+  result.verdict = contested ? Verdict::ambiguous : Verdict::unique;
+  result.reason = contested ? Reason::second_place_too_close : Reason::clear_winner;
+  result.confidence = first.weight;
+}
+
+}  // namespace
+
+Localizer::Localizer(PlaceMap map, const LocalizeParams& params, std::size_t threads)
+    : map_(std::move(map)),
+      params_(params),
+      detector_(map_.feature_params().detector),
+      describer_(map_.feature_params().descriptor),
+      matchers_(thread_count(threads), PairMatcher(params.match, params.ransac)) {}
+
+LocalizationResult Localizer::localize(const Features& features, ScanInterval excluded, LocalizeTimes* times) {
+  Stopwatch stopwatch;
+  const KeypointTable table = table_of(features.keypoints);
+  for (PairMatcher& matcher : matchers_) { matcher.set_query({table.columns(), rows_of(features.descriptors)}); }
+
+  std::vector<Finds> parts(matchers_.size());
+  constexpr std::size_t grain = 64;
+  parallel_for(
+      map_.size(), matchers_.size(),
+      [&](std::size_t map_scan, std::size_t thread) {
+        if (!excluded.contains(map_scan)) { match_map_scan(map_, map_scan, matchers_[thread], parts[thread]); }
+      },
+      {}, grain);
+  Finds finds = merged(std::move(parts));
+
+  LocalizationResult result;
+  result.hypotheses = std::move(finds.hypotheses);
+  sort_hypotheses(result.hypotheses, params_.order);
+  set_weights(result.hypotheses);
+  result.places = distinct_places(result.hypotheses, params_.distinct_distance, params_.distinct_heading);
+  if (result.places.empty()) {
+    result.reason = why_lost(finds, features.keypoints.size(), params_.ransac.min_inliers);
+  } else {
+    judge(result, params_);
+  }
+  if (times != nullptr) { times->match_us = stopwatch.lap_us(); }
+  return result;
+}
+
+LocalizationResult Localizer::localize(const Scan& scan, ScanInterval excluded, LocalizeTimes* times) {
+  Stopwatch stopwatch;
+  const std::span<const Keypoint> keypoints = detector_.detect(scan);
+  const double detect_us = stopwatch.lap_us();
+  const Features features{{keypoints.begin(), keypoints.end()}, describer_.describe(scan, keypoints)};
+  const double describe_us = stopwatch.lap_us();
+  if (times != nullptr) {
+    times->detect_us = detect_us;
+    times->describe_us = describe_us;
+  }
+  return localize(features, excluded, times);
+}
+
+LocalizationResult localize(const PlaceMap& map, const Scan& scan, const LocalizeParams& params, LocalizeTimes* times) {
+  return Localizer(map, params).localize(scan, {}, times);
+}
+
+}  // namespace flirt

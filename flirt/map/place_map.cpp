@@ -1,0 +1,270 @@
+#include "flirt/map/place_map.hpp"
+
+#include "flirt/core/assert.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace flirt {
+namespace {
+
+template <class Column>
+std::string wrong_size(std::string_view name, const Column& column, std::size_t expected) {
+  if (column.size() == expected) { return {}; }
+  return "column " + std::string(name) + ": expected " + std::to_string(expected) + " values, found " +
+         std::to_string(column.size());
+}
+
+/// The first complaint, or nothing.
+std::string first_of(std::initializer_list<std::string> complaints) {
+  for (const std::string& complaint : complaints) {
+    if (!complaint.empty()) { return complaint; }
+  }
+  return {};
+}
+
+std::string wrong_sizes(const PlaceMapViews& columns, std::uint32_t stride) {
+  const std::size_t scans = columns.map_from_sensor.size();
+  const std::size_t features = columns.x.size();
+  const std::size_t floats = features * stride;
+  const std::size_t variances = columns.descriptor_variances.empty() ? 0 : floats;
+  return first_of(
+      {wrong_size("robot_from_sensor", columns.robot_from_sensor, scans),
+       wrong_size("geometry", columns.geometry, scans), wrong_size("range_begin", columns.range_begin, scans + 1),
+       wrong_size("feature_begin", columns.feature_begin, scans + 1), wrong_size("y", columns.y, features),
+       wrong_size("theta", columns.theta, features), wrong_size("scale", columns.scale, features),
+       wrong_size("support_radius", columns.support_radius, features),
+       wrong_size("response", columns.response, features), wrong_size("beam", columns.beam, features),
+       wrong_size("level", columns.level, features), wrong_size("descriptor_rows", columns.descriptor_rows, floats),
+       wrong_size("descriptor_roots", columns.descriptor_roots, floats),
+       wrong_size("descriptor_variances", columns.descriptor_variances, variances)});
+}
+
+/// Begins must ascend from 0 to the number of items.
+std::string wrong_begins(std::string_view name, std::span<const std::uint64_t> begins, std::size_t items) {
+  if (begins.front() == 0 && begins.back() == items && std::is_sorted(begins.begin(), begins.end())) { return {}; }
+  return "column " + std::string(name) + ": expected ascending from 0 to " + std::to_string(items);
+}
+
+std::string wrong_poses(std::string_view name, std::span<const Pose2> poses) {
+  const auto bad = std::find_if_not(poses.begin(), poses.end(), [](const Pose2& pose) { return is_finite(pose); });
+  if (bad == poses.end()) { return {}; }
+  return "column " + std::string(name) + ": expected finite poses, found another at " +
+         std::to_string(bad - poses.begin());
+}
+
+std::string wrong_numbers(std::string_view name, std::span<const float> numbers) {
+  const auto bad = std::find_if_not(numbers.begin(), numbers.end(), [](float number) { return std::isfinite(number); });
+  if (bad == numbers.end()) { return {}; }
+  return "column " + std::string(name) + ": expected finite numbers, found another at " +
+         std::to_string(bad - numbers.begin());
+}
+
+std::string wrong_indices(const PlaceMapViews& columns) {
+  for (std::size_t scan = 0; scan < columns.geometry.size(); ++scan) {
+    if (columns.geometry[scan] >= columns.beams.size()) {
+      return "column geometry: expected less than " + std::to_string(columns.beams.size()) + ", found " +
+             std::to_string(columns.geometry[scan]) + " for scan " + std::to_string(scan);
+    }
+    const std::uint64_t readings = columns.range_begin[scan + 1] - columns.range_begin[scan];
+    for (std::uint64_t i = columns.feature_begin[scan]; i < columns.feature_begin[scan + 1]; ++i) {
+      if (columns.beam[i] >= readings) {
+        return "column beam: expected less than " + std::to_string(readings) + ", found " +
+               std::to_string(columns.beam[i]) + " for scan " + std::to_string(scan);
+      }
+    }
+  }
+  return {};
+}
+
+std::string wrong_descriptors(std::size_t features, std::uint32_t dimension, std::uint32_t stride) {
+  constexpr std::uint32_t longest = 65'536;
+  const bool fits = stride % 16 == 0 && stride <= longest && dimension <= stride && (features == 0 || dimension > 0);
+  if (fits) { return {}; }
+  return "descriptors: expected 1 bin or more and a stride of a multiple of 16, at most 65536, that holds them, "
+         "found " +
+         std::to_string(dimension) + " bins and a stride of " + std::to_string(stride);
+}
+
+/// Empty when the columns fit together. Sizes come first: what follows relies on them.
+std::string complaint(const PlaceMapViews& columns, std::uint32_t dimension, std::uint32_t stride) {
+  const std::string shape =
+      first_of({wrong_descriptors(columns.x.size(), dimension, stride), wrong_sizes(columns, stride)});
+  if (!shape.empty()) { return shape; }
+  const std::string begins = first_of({wrong_begins("range_begin", columns.range_begin, columns.ranges.size()),
+                                       wrong_begins("feature_begin", columns.feature_begin, columns.x.size())});
+  if (!begins.empty()) { return begins; }
+  return first_of({wrong_indices(columns), wrong_poses("map_from_sensor", columns.map_from_sensor),
+                   wrong_poses("robot_from_sensor", columns.robot_from_sensor), wrong_numbers("x", columns.x),
+                   wrong_numbers("y", columns.y), wrong_numbers("theta", columns.theta)});
+}
+
+template <class T>
+void append(std::vector<T>& column, const std::vector<T>& values) {
+  column.insert(column.end(), values.begin(), values.end());
+}
+
+/// What keeps a log from being a map; empty when nothing does.
+std::string wrong_log(const ScanLog& log) {
+  if (log.map_from_robot.size() != log.scans.size()) {
+    return "expected a log with poses, one for each of its " + std::to_string(log.scans.size()) + " scans, found " +
+           std::to_string(log.map_from_robot.size());
+  }
+  for (std::size_t i = 0; i < log.scans.size(); ++i) {
+    if (!is_finite(log.map_from_sensor(i))) {
+      return "expected a finite pose for scan " + std::to_string(i) + ", found none";
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+PlaceMapViews views_of(const PlaceMapVectors& vectors) {
+  return {.map_from_sensor = vectors.map_from_sensor,
+          .robot_from_sensor = vectors.robot_from_sensor,
+          .geometry = vectors.geometry,
+          .beams = vectors.beams,
+          .range_begin = vectors.range_begin,
+          .ranges = vectors.ranges,
+          .feature_begin = vectors.feature_begin,
+          .x = vectors.x,
+          .y = vectors.y,
+          .theta = vectors.theta,
+          .scale = vectors.scale,
+          .support_radius = vectors.support_radius,
+          .response = vectors.response,
+          .beam = vectors.beam,
+          .level = vectors.level,
+          .descriptor_rows = vectors.descriptor_rows,
+          .descriptor_roots = vectors.descriptor_roots,
+          .descriptor_variances = vectors.descriptor_variances};
+}
+
+Result<PlaceMap> PlaceMap::from_columns(const PlaceMapViews& columns, std::uint32_t descriptor_dimension,
+                                        std::uint32_t descriptor_stride, const FeatureParams& params,
+                                        std::shared_ptr<const void> owner) {
+  const std::string wrong = complaint(columns, descriptor_dimension, descriptor_stride);
+  if (!wrong.empty()) { return fail(wrong); }
+  PlaceMap map;
+  map.columns_ = columns;
+  map.descriptor_dimension_ = descriptor_dimension;
+  map.descriptor_stride_ = descriptor_stride;
+  map.params_ = params;
+  map.owner_ = std::move(owner);
+  return map;
+}
+
+std::size_t PlaceMap::bytes() const {
+  std::size_t total = 0;
+  visit_columns(columns_, [&total](std::string_view /*name*/, const auto& column) { total += column.size_bytes(); });
+  return total;
+}
+
+Pose2 PlaceMap::map_from_robot(std::size_t scan) const {
+  return columns_.map_from_sensor[scan] * inverse(columns_.robot_from_sensor[scan]);
+}
+
+std::span<const float> PlaceMap::ranges(std::size_t scan) const {
+  const std::uint64_t begin = columns_.range_begin[scan];
+  return columns_.ranges.subspan(begin, columns_.range_begin[scan + 1] - begin);
+}
+
+Scan PlaceMap::scan(std::size_t scan) const {
+  const std::span<const float> readings = ranges(scan);
+  return {.beams = beams(scan),
+          .ranges = {readings.begin(), readings.end()},
+          .robot_from_sensor = columns_.robot_from_sensor[scan]};
+}
+
+FeatureColumns PlaceMap::features(std::size_t scan) const {
+  const std::uint64_t begin = columns_.feature_begin[scan];
+  const std::uint64_t count = columns_.feature_begin[scan + 1] - begin;
+  const std::uint64_t row = begin * descriptor_stride_;
+  return {.keypoints = {.x = columns_.x.subspan(begin, count),
+                        .y = columns_.y.subspan(begin, count),
+                        .theta = columns_.theta.subspan(begin, count)},
+          .descriptors = {.rows = columns_.descriptor_rows.data() + row,
+                          .roots = columns_.descriptor_roots.data() + row,
+                          .variances = has_variances() ? columns_.descriptor_variances.data() + row : nullptr,
+                          .count = static_cast<std::uint32_t>(count),
+                          .dimension = descriptor_dimension_,
+                          .stride = descriptor_stride_}};
+}
+
+void PlaceMapBuilder::add_geometry(Beams beams) {
+  // Rounded like the readings, so that a reading of range_max stays "no return".
+  beams.range_min = static_cast<float>(beams.range_min);
+  beams.range_max = static_cast<float>(beams.range_max);
+  // Nearly always the geometry of the scan before; logs have one or two in all.
+  const auto known = std::find(columns_.beams.rbegin(), columns_.beams.rend(), beams);
+  const auto index = static_cast<std::size_t>(columns_.beams.rend() - known);
+  if (known == columns_.beams.rend()) { columns_.beams.push_back(beams); }
+  columns_.geometry.push_back(
+      static_cast<std::uint32_t>(known == columns_.beams.rend() ? columns_.beams.size() - 1 : index - 1));
+}
+
+void PlaceMapBuilder::add_features(const Features& features) {
+  const Descriptors& descriptors = features.descriptors;
+  FLIRT_ASSERT(descriptors.size() == features.keypoints.size());
+  const KeypointTable table = table_of(features.keypoints);
+  append(columns_.x, table.x);
+  append(columns_.y, table.y);
+  append(columns_.theta, table.theta);
+  for (const Keypoint& keypoint : features.keypoints) {
+    columns_.scale.push_back(keypoint.scale);
+    columns_.support_radius.push_back(keypoint.support_radius);
+    columns_.response.push_back(keypoint.response);
+    columns_.beam.push_back(keypoint.beam);
+    columns_.level.push_back(keypoint.level);
+  }
+  if (!features.keypoints.empty()) {
+    FLIRT_ASSERT(descriptor_stride_ == 0 || descriptors.stride == descriptor_stride_);
+    FLIRT_ASSERT(descriptor_dimension_ == 0 || descriptors.dimension == descriptor_dimension_);
+    descriptor_dimension_ = descriptors.dimension;
+    descriptor_stride_ = descriptors.stride;
+  }
+  append(columns_.descriptor_rows, descriptors.rows);
+  append(columns_.descriptor_roots, descriptors.roots);
+  if (variances_ == MapVariances::keep) { append(columns_.descriptor_variances, descriptors.variances); }
+  columns_.feature_begin.push_back(columns_.x.size());
+}
+
+void PlaceMapBuilder::add(const Scan& scan, const Pose2& map_from_sensor, const Features& features) {
+  FLIRT_ASSERT(is_finite(map_from_sensor));
+  columns_.map_from_sensor.push_back(map_from_sensor);
+  columns_.robot_from_sensor.push_back(scan.robot_from_sensor);
+  add_geometry(scan.beams);
+  for (const double range : scan.ranges) { columns_.ranges.push_back(static_cast<float>(range)); }
+  columns_.range_begin.push_back(columns_.ranges.size());
+  add_features(features);
+}
+
+PlaceMap PlaceMapBuilder::build() && {
+  visit_columns(columns_, [](std::string_view /*name*/, auto& column) { column.shrink_to_fit(); });
+  const auto owner = std::make_shared<const PlaceMapVectors>(std::move(columns_));
+  Result<PlaceMap> map =
+      PlaceMap::from_columns(views_of(*owner), descriptor_dimension_, descriptor_stride_, params_, owner);
+  FLIRT_ASSERT(map.has_value());
+  return *std::move(map);
+}
+
+Result<PlaceMap> build_place_map(const ScanLog& log, const FeatureParams& params, std::size_t threads,
+                                 const Progress& progress, MapVariances variances) {
+  if (const std::string wrong = wrong_log(log); !wrong.empty()) { return fail(wrong); }
+  std::vector<FeatureExtractor> extractors;
+  for (std::size_t i = 0; i < thread_count(threads); ++i) { extractors.emplace_back(params); }
+  std::vector<Features> features(log.scans.size());
+  parallel_for(
+      log.scans.size(), extractors.size(),
+      [&](std::size_t i, std::size_t thread) { features[i] = extractors[thread].extract(log.scans[i]); }, progress);
+  PlaceMapBuilder builder(params, variances);
+  for (std::size_t i = 0; i < log.scans.size(); ++i) {
+    builder.add(log.scans[i], log.map_from_sensor(i), std::exchange(features[i], {}));
+  }
+  return std::move(builder).build();
+}
+
+}  // namespace flirt

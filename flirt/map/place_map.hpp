@@ -1,0 +1,153 @@
+// flirt/map/place_map.hpp: scans with their poses and features: the map m = {(z, F)_0..n} in which a robot finds itself
+// (navigation paper, section 3.2).
+//
+//   const Result<PlaceMap> map = build_place_map(log);                // in memory
+//   const auto map = read_place_map("office.flirt");                  // flirt/io/flirt_map.hpp: opened in place
+//   const LocalizationResult found = localize(*map, scan);            // flirt/map/localize.hpp
+#pragma once
+
+#include "flirt/core/parallel.hpp"
+#include "flirt/core/result.hpp"
+#include "flirt/core/scan.hpp"
+#include "flirt/features/extract.hpp"
+#include "flirt/match/columns.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace flirt {
+
+/// What a place map consists of: n scans with r readings and k features in all, over g different beam geometries.
+/// `Column` is a vector (a map being built) or a view (of such vectors, or of a file).
+template <template <class> class Column>
+struct PlaceMapColumns {
+  Column<Pose2> map_from_sensor{};        ///< n; where each scan was taken
+  Column<Pose2> robot_from_sensor{};      ///< n
+  Column<std::uint32_t> geometry{};       ///< n, index into `beams`
+  Column<Beams> beams{};                  ///< g, each geometry once, its limits rounded to float like the readings
+  Column<std::uint64_t> range_begin{};    ///< n + 1; scan i has readings range_begin[i] .. range_begin[i + 1]
+  Column<float> ranges{};                 ///< r, m, as the sensor gave them (`classify` before use)
+  Column<std::uint64_t> feature_begin{};  ///< n + 1; scan i has features feature_begin[i] .. feature_begin[i + 1]
+  Column<float> x{};                      ///< k, m, keypoint in the frame of its sensor
+  Column<float> y{};                      ///< k, m
+  Column<float> theta{};                  ///< k, rad, the keypoint's own direction
+  Column<float> scale{};                  ///< k, as Keypoint::scale
+  Column<float> support_radius{};         ///< k, m
+  Column<float> response{};               ///< k
+  Column<std::uint32_t> beam{};           ///< k, index into the readings of its scan
+  Column<std::uint8_t> level{};           ///< k
+  Column<float> descriptor_rows{};        ///< k · stride, as Descriptors::rows
+  Column<float> descriptor_roots{};       ///< k · stride, as Descriptors::roots
+  Column<float> descriptor_variances{};   ///< k · stride, as Descriptors::variances; empty in a map without them
+};
+template <class T>
+using MapVector = std::vector<T>;
+template <class T>
+using MapView = std::span<const T>;
+using PlaceMapVectors = PlaceMapColumns<MapVector>;
+using PlaceMapViews = PlaceMapColumns<MapView>;
+
+[[nodiscard]] PlaceMapViews views_of(const PlaceMapVectors& vectors);
+
+/// visit(name, column) for each column; the names are those of the sections of a map file.
+template <class Columns, class Visitor>
+void visit_columns(Columns& columns, Visitor&& visit) {
+  visit(std::string_view("map_from_sensor"), columns.map_from_sensor);
+  visit(std::string_view("robot_from_sensor"), columns.robot_from_sensor);
+  visit(std::string_view("geometry"), columns.geometry);
+  visit(std::string_view("beams"), columns.beams);
+  visit(std::string_view("range_begin"), columns.range_begin);
+  visit(std::string_view("ranges"), columns.ranges);
+  visit(std::string_view("feature_begin"), columns.feature_begin);
+  visit(std::string_view("x"), columns.x);
+  visit(std::string_view("y"), columns.y);
+  visit(std::string_view("theta"), columns.theta);
+  visit(std::string_view("scale"), columns.scale);
+  visit(std::string_view("support_radius"), columns.support_radius);
+  visit(std::string_view("response"), columns.response);
+  visit(std::string_view("beam"), columns.beam);
+  visit(std::string_view("level"), columns.level);
+  visit(std::string_view("descriptor_rows"), columns.descriptor_rows);
+  visit(std::string_view("descriptor_roots"), columns.descriptor_roots);
+  visit(std::string_view("descriptor_variances"), columns.descriptor_variances);
+}
+
+/// Whether a map keeps the variances of its descriptors. Only the distance variance_chi_square looks at them, and they
+/// are half as much again as the rest of the descriptors.
+enum class MapVariances : std::uint8_t { leave_out, keep };
+
+/// Scans with poses and features, read-only. Copies share the columns, so they are cheap; the columns may lie in a file
+/// that is mapped into memory. Invariant: the columns fit together (sizes, ascending begins, indices in range, finite
+/// poses). For 1464 scans of 360 beams with 24 keypoints each: 17 MB.
+class PlaceMap {
+ public:
+  /// `columns` must stay as they are while `owner` lives. An error says which column does not fit. O(n + k).
+  [[nodiscard]] static Result<PlaceMap> from_columns(const PlaceMapViews& columns, std::uint32_t descriptor_dimension,
+                                                     std::uint32_t descriptor_stride, const FeatureParams& params,
+                                                     std::shared_ptr<const void> owner);
+
+  [[nodiscard]] std::size_t size() const { return columns_.map_from_sensor.size(); }
+  [[nodiscard]] std::size_t feature_count() const { return columns_.x.size(); }
+  [[nodiscard]] const PlaceMapViews& columns() const { return columns_; }
+  [[nodiscard]] std::uint32_t descriptor_dimension() const { return descriptor_dimension_; }
+  [[nodiscard]] std::uint32_t descriptor_stride() const { return descriptor_stride_; }
+  /// How the features were made; a query has to be described the same way.
+  [[nodiscard]] const FeatureParams& feature_params() const { return params_; }
+  [[nodiscard]] bool has_variances() const { return !columns_.descriptor_variances.empty(); }
+  /// Bytes of all columns.
+  [[nodiscard]] std::size_t bytes() const;
+
+  [[nodiscard]] const Pose2& map_from_sensor(std::size_t scan) const { return columns_.map_from_sensor[scan]; }
+  [[nodiscard]] Pose2 map_from_robot(std::size_t scan) const;
+  /// Geometry of a scan's beams.
+  [[nodiscard]] const Beams& beams(std::size_t scan) const { return columns_.beams[columns_.geometry[scan]]; }
+  /// Readings of a scan, m.
+  [[nodiscard]] std::span<const float> ranges(std::size_t scan) const;
+  /// Copy of a scan; stamp and odometry are not kept in a map, and ranges are rounded to float.
+  [[nodiscard]] Scan scan(std::size_t scan) const;
+  /// The features of a scan, in place.
+  [[nodiscard]] FeatureColumns features(std::size_t scan) const;
+
+ private:
+  PlaceMap() = default;
+  PlaceMapViews columns_{};
+  std::uint32_t descriptor_dimension_{0};
+  std::uint32_t descriptor_stride_{0};
+  FeatureParams params_{};
+  std::shared_ptr<const void> owner_{};
+};
+
+/// Puts a place map together scan by scan.
+class PlaceMapBuilder {
+ public:
+  explicit PlaceMapBuilder(const FeatureParams& params = {}, MapVariances variances = MapVariances::leave_out)
+      : params_(params), variances_(variances) {}
+
+  /// `map_from_sensor` must be finite; all descriptors of a map have the same dimension.
+  void add(const Scan& scan, const Pose2& map_from_sensor, const Features& features);
+
+  /// The map of all scans added; the builder is used up.
+  [[nodiscard]] PlaceMap build() &&;
+
+ private:
+  void add_geometry(Beams beams);
+  void add_features(const Features& features);
+
+  PlaceMapVectors columns_{.range_begin = {0}, .feature_begin = {0}};
+  std::uint32_t descriptor_dimension_{0};
+  std::uint32_t descriptor_stride_{0};
+  FeatureParams params_;
+  MapVariances variances_;
+};
+
+/// The map of all scans of a log. Map scan i is log scan i. Error: a scan has no pose, or one that is not finite.
+/// Parallel; the same on any number of threads.
+[[nodiscard]] Result<PlaceMap> build_place_map(const ScanLog& log, const FeatureParams& params = {},
+                                               std::size_t threads = 0, const Progress& progress = {},
+                                               MapVariances variances = MapVariances::leave_out);
+
+}  // namespace flirt

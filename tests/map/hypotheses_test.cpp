@@ -1,0 +1,81 @@
+#include "flirt/map/hypotheses.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace flirt {
+namespace {
+
+Hypothesis hypothesis(const Pose2& map_from_sensor, std::uint32_t inliers, double residual,
+                      std::uint32_t map_scan = 0) {
+  return {.map_from_sensor = map_from_sensor, .map_scan = map_scan, .inliers = inliers, .residual = residual};
+}
+
+std::vector<std::uint32_t> map_scans(const std::vector<Hypothesis>& hypotheses) {
+  std::vector<std::uint32_t> scans;
+  for (const Hypothesis& each : hypotheses) { scans.push_back(each.map_scan); }
+  return scans;
+}
+
+TEST(Hypotheses, WeightsAreInverseResidualsOfSumOne) {
+  std::vector<Hypothesis> hypotheses{hypothesis({}, 3, 0.01), hypothesis({}, 3, 0.03), hypothesis({}, 9, 0.06)};
+  set_weights(hypotheses);
+  EXPECT_DOUBLE_EQ(hypotheses[0].weight, 6.0 / 9.0);
+  EXPECT_DOUBLE_EQ(hypotheses[1].weight, 2.0 / 9.0);
+  EXPECT_DOUBLE_EQ(hypotheses[2].weight, 1.0 / 9.0);
+}
+
+TEST(Hypotheses, AnExactMatchDoesNotSilenceTheOthers) {
+  std::vector<Hypothesis> hypotheses{hypothesis({}, 3, 0.0), hypothesis({}, 3, 1e-6)};
+  set_weights(hypotheses);
+  EXPECT_DOUBLE_EQ(hypotheses[0].weight, 0.5);
+  EXPECT_DOUBLE_EQ(hypotheses[1].weight, 0.5);
+}
+
+TEST(Hypotheses, OrderIsThePapers) {
+  std::vector<Hypothesis> hypotheses{hypothesis({}, 5, 0.02, 0), hypothesis({}, 9, 0.02, 1), hypothesis({}, 4, 0.01, 2),
+                                     hypothesis({}, 9, 0.03, 3), hypothesis({}, 5, 0.02, 4)};
+  sort_hypotheses(hypotheses, HypothesisOrder::corresp);
+  EXPECT_THAT(map_scans(hypotheses), testing::ElementsAre(1, 3, 0, 4, 2));
+  sort_hypotheses(hypotheses, HypothesisOrder::residual);
+  EXPECT_THAT(map_scans(hypotheses), testing::ElementsAre(2, 1, 0, 4, 3));
+}
+
+TEST(Hypotheses, NearPosesAreOnePlace) {
+  const double pi = std::numbers::pi;
+  std::vector<Hypothesis> hypotheses{
+      hypothesis({0, 0, pi}, 9, 0.01),             // founds the first place
+      hypothesis({0.4, 0.2, -pi + 0.1}, 8, 0.02),  // the same place, across the seam of the angle
+      hypothesis({0.6, 0, pi}, 7, 0.02),           // 0.6 m away
+      hypothesis({0, 0, pi - 0.2}, 6, 0.04),       // 0.2 rad away
+  };
+  set_weights(hypotheses);
+  const std::vector<Place> places = distinct_places(hypotheses, 0.5, radians_from_degrees(10));
+  ASSERT_EQ(places.size(), 3U);
+  EXPECT_EQ(places[0].hypothesis, 0U);
+  EXPECT_EQ(places[0].support, 2U);
+  EXPECT_EQ(places[0].inliers, 9U);
+  EXPECT_DOUBLE_EQ(places[0].weight, hypotheses[0].weight + hypotheses[1].weight);
+  EXPECT_EQ(places[1].hypothesis, 2U);
+  EXPECT_EQ(places[2].hypothesis, 3U);
+  EXPECT_DOUBLE_EQ(places[0].weight + places[1].weight + places[2].weight, 1.0);
+}
+
+TEST(Hypotheses, ThePlaceWithMoreWeightComesFirstEvenWhenAnotherHoldsTheBestMatch) {
+  std::vector<Hypothesis> hypotheses{hypothesis({0, 0, 0}, 9, 0.01), hypothesis({5, 0, 0}, 8, 0.012),
+                                     hypothesis({5.1, 0, 0}, 8, 0.013)};
+  set_weights(hypotheses);
+  const std::vector<Place> places = distinct_places(hypotheses, 0.5, 0.2);
+  ASSERT_EQ(places.size(), 2U);
+  EXPECT_EQ(places[0].hypothesis, 1U);
+}
+
+TEST(Hypotheses, NoHypothesesAreNoPlaces) {
+  set_weights({});
+  EXPECT_TRUE(distinct_places({}, 0.5, 0.2).empty());
+}
+
+}  // namespace
+}  // namespace flirt
