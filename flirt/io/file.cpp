@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t chunk_bytes = std::size_t{1} << 18U;
+constexpr std::size_t chunk_bytes = std::size_t{1} << 16U;
 
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
