@@ -11,6 +11,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double radial_distance = 1e-9;  // m; a beam that passes the keypoint nearer than this is taken as radial
 constexpr double radial_overlap = 1e-9;   // angular bins; a radial beam this near to the line between bins is on it
+constexpr double least_length = 1e-9;     // m; less is rounding, of a beam that starts or turns on a bin's edge
 constexpr double least_overlap = 1e-12;   // angular bins; a wedge that the sweep touches less is left out
 
 Point2 unit(double angle) {
@@ -180,7 +181,7 @@ void BetaGrid::count_wedge(const Course& course, std::size_t wedge, Interval wit
   const bool passes_foot = from < 0 && to > 0;
   const double nearest = course.across_squared + (passes_foot ? 0.0 : std::min(from_squared, to_squared));
   const double farthest = course.across_squared + std::max(from_squared, to_squared);
-  const bool has_length = to > from;
+  const bool has_length = to - from > least_length;
   const bool ends = ends_here && course.ends_on_something;
   const std::size_t rings = low_squared_.size();
   std::uint32_t* const hits = hits_.data() + wedge * rings;
