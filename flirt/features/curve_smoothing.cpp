@@ -51,7 +51,9 @@ void CurveSmoother::lay_out(std::span<const double> arc, bool closed, double len
     end = std::max(end, i + 1);
     const auto pairs = [&](std::size_t j) {
       const double distance = arc_[j] - arc_[i];
-      return distance <= reach && (!closed || 2.0 * distance < length);  // the shorter way around
+      const double other_way = length - distance;
+      // The shorter way around; when both are equally long, once.
+      return distance <= reach && (!closed || distance < other_way || (distance == other_way && j < n));
     };
     while (end < extended_ && pairs(end)) { ++end; }
     end_[i] = static_cast<std::uint32_t>(end);
