@@ -1,0 +1,251 @@
+// flirt/registration/dense_search.cpp: sums of shifted rows, compiled once per instruction set.
+#include "flirt/registration/dense_search.hpp"
+
+#include "flirt/core/assert.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+#include <numbers>
+
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "flirt/registration/dense_search.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+// clang-format on
+
+#ifndef FLIRT_REGISTRATION_DENSE_SEARCH_ONCE
+#define FLIRT_REGISTRATION_DENSE_SEARCH_ONCE
+namespace flirt {
+
+inline constexpr std::size_t block_columns = CoarseField::block_width;
+inline constexpr std::size_t block_rows = CoarseField::block_height;
+
+/// Sums of up to `largest` in one byte each.
+struct BlockSums {
+  alignas(64) std::uint16_t sums[block_rows * block_columns];
+};
+
+}  // namespace flirt
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace flirt::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Bytes = hn::CappedTag<std::uint8_t, block_columns>;
+using Words = hn::Repartition<std::uint16_t, Bytes>;
+constexpr std::size_t byte_lanes = hn::MaxLanes(Bytes{});
+constexpr std::size_t byte_parts = block_columns / byte_lanes;
+
+/// sums[row][column] = Σ over points of corner[offset + row · stride + column]. Bytes hold `per_byte` values before
+/// they have to be added to words.
+void sum_block(const std::uint8_t* corner, std::size_t stride, const std::int32_t* offsets, std::size_t count,
+               std::size_t per_byte, BlockSums& result) {
+  const Bytes d8;
+  const hn::Rebind<std::uint16_t, hn::Half<Bytes>> d16;
+  const hn::Half<Bytes> d8_half;
+  constexpr std::size_t half_lanes = hn::MaxLanes(d8_half);
+  std::memset(result.sums, 0, sizeof(result.sums));
+  for (std::size_t part = 0; part < byte_parts; ++part) {
+    const std::uint8_t* const part_corner = corner + part * byte_lanes;
+    for (std::size_t begin = 0; begin < count; begin += per_byte) {
+      const std::size_t end = HWY_MIN(count, begin + per_byte);
+      auto row0 = hn::Zero(d8);
+      auto row1 = hn::Zero(d8);
+      auto row2 = hn::Zero(d8);
+      auto row3 = hn::Zero(d8);
+      for (std::size_t k = begin; k < end; ++k) {
+        const std::uint8_t* const first = part_corner + offsets[k];
+        row0 = hn::Add(row0, hn::LoadU(d8, first));
+        row1 = hn::Add(row1, hn::LoadU(d8, first + stride));
+        row2 = hn::Add(row2, hn::LoadU(d8, first + 2 * stride));
+        row3 = hn::Add(row3, hn::LoadU(d8, first + 3 * stride));
+      }
+      alignas(64) std::uint8_t bytes[block_rows * byte_lanes];
+      hn::Store(row0, d8, bytes);
+      hn::Store(row1, d8, bytes + byte_lanes);
+      hn::Store(row2, d8, bytes + 2 * byte_lanes);
+      hn::Store(row3, d8, bytes + 3 * byte_lanes);
+      for (std::size_t row = 0; row < block_rows; ++row) {
+        for (std::size_t column = 0; column < byte_lanes; column += half_lanes) {
+          std::uint16_t* const sum = result.sums + row * block_columns + part * byte_lanes + column;
+          const auto more = hn::PromoteTo(d16, hn::LoadU(d8_half, bytes + row * byte_lanes + column));
+          hn::StoreU(hn::Add(hn::LoadU(d16, sum), more), d16, sum);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace flirt::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace flirt {
+namespace {
+
+HWY_EXPORT(sum_block);
+
+constexpr std::int32_t tile_side = 4;  // coarse cells
+constexpr std::size_t tiles_per_block = block_columns / tile_side;
+static_assert(block_rows == tile_side);
+
+/// A block's best place in each tile: sum above 4 bits of (row, column) in the tile; 0 where nobody can stand.
+using TileKeys = std::array<std::uint16_t, tiles_per_block>;
+
+TileKeys best_in_tiles(const BlockSums& block, const CoarseField& coarse, CellIndex corner) {
+  TileKeys best{};
+  for (std::size_t row = 0; row < block_rows; ++row) {
+    const std::uint8_t* const standable = &coarse.standable.at(corner.x, corner.y + static_cast<std::int32_t>(row));
+    const std::uint16_t* const sums = block.sums + row * block_columns;
+    std::uint16_t keys[block_columns];
+    for (std::size_t column = 0; column < block_columns; ++column) {
+      const auto key = static_cast<unsigned>(sums[column]) << 4U | row << 2U | (column & 3U);
+      keys[column] = static_cast<std::uint16_t>(standable[column] != 0 ? key : 0U);
+    }
+    for (std::size_t tile = 0; tile < tiles_per_block; ++tile) {
+      const std::uint16_t* const four = keys + tile * tile_side;
+      best[tile] = std::max({best[tile], four[0], four[1], four[2], four[3]});
+    }
+  }
+  return best;
+}
+
+/// End points turned to one heading, as steps in coarse cells.
+struct Steps {
+  std::vector<CellIndex> cells;
+  CellIndex min{};
+  CellIndex max{};
+};
+
+Steps steps_at(const ScanPoints& points, double heading, double cell_size, std::size_t count) {
+  Steps steps;
+  steps.cells.reserve(count);
+  const double c = std::cos(heading) / cell_size;
+  const double s = std::sin(heading) / cell_size;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = k * points.size() / count;
+    const auto dx = static_cast<std::int32_t>(std::lround(c * points.x[i] - s * points.y[i]));
+    const auto dy = static_cast<std::int32_t>(std::lround(s * points.x[i] + c * points.y[i]));
+    steps.cells.push_back({dx, dy});
+    steps.min = {std::min(steps.min.x, dx), std::min(steps.min.y, dy)};
+    steps.max = {std::max(steps.max.x, dx), std::max(steps.max.y, dy)};
+  }
+  return steps;
+}
+
+/// Where the rows to add begin, as offsets from the block's corner. Steps that leave the padded field read padding.
+void offsets_of(const Steps& steps, const CoarseField& coarse, CellIndex corner, std::vector<std::int32_t>& offsets) {
+  const std::int32_t stride = coarse.values.width;
+  offsets.resize(steps.cells.size());
+  for (std::size_t k = 0; k < offsets.size(); ++k) {
+    const std::int32_t x = std::clamp(corner.x + steps.cells[k].x, -CoarseField::pad_x, coarse.width);
+    const std::int32_t y = std::clamp(corner.y + steps.cells[k].y, -CoarseField::pad_y, coarse.height);
+    offsets[k] = (y - corner.y) * stride + (x - corner.x);
+  }
+}
+
+bool stays_inside(const Steps& steps, const CoarseField& coarse, CellIndex corner) {
+  return corner.x + steps.min.x >= -CoarseField::pad_x && corner.x + steps.max.x <= coarse.width &&
+         corner.y + steps.min.y >= -CoarseField::pad_y && corner.y + steps.max.y <= coarse.height;
+}
+
+/// Best key of each tile of each block at one heading.
+void search_heading(const CoarseField& coarse, const Steps& steps, std::vector<TileKeys>& keys) {
+  const std::size_t per_byte = 255U / coarse.largest;
+  const std::int32_t stride = coarse.values.width;
+  std::vector<std::int32_t> inside(steps.cells.size());
+  for (std::size_t k = 0; k < inside.size(); ++k) { inside[k] = steps.cells[k].y * stride + steps.cells[k].x; }
+  std::vector<std::int32_t> clamped;
+  BlockSums sums{};
+  keys.resize(coarse.blocks.size());
+  for (std::size_t block = 0; block < coarse.blocks.size(); ++block) {
+    const CellIndex corner = coarse.blocks[block];
+    const bool all_inside = stays_inside(steps, coarse, corner);
+    if (!all_inside) { offsets_of(steps, coarse, corner, clamped); }
+    const std::int32_t* const offsets = all_inside ? inside.data() : clamped.data();
+    HWY_DYNAMIC_DISPATCH(sum_block)(&coarse.values.at(corner.x + CoarseField::pad_x, corner.y + CoarseField::pad_y),
+                                    static_cast<std::size_t>(stride), offsets, inside.size(), per_byte, sums);
+    keys[block] = best_in_tiles(sums, coarse, corner);
+  }
+}
+
+/// The best of some neighbouring headings in one tile.
+struct TileBest {
+  std::uint16_t key{0};
+  std::uint16_t heading{0};
+  std::uint32_t tile{0};  // block · tiles_per_block + tile in block
+};
+
+CoarsePose pose_of(const TileBest& best, const MapFields& fields, double heading_step, double scale) {
+  const CoarseField& coarse = fields.coarse;
+  const CellIndex corner = coarse.blocks[best.tile / tiles_per_block];
+  const auto in_block = static_cast<std::int32_t>(best.tile % tiles_per_block) * tile_side;
+  const std::int32_t x = corner.x + in_block + (best.key & 3);
+  const std::int32_t y = corner.y + (best.key >> 2 & 3);
+  return {{fields.origin.x + (x + 0.5) * coarse.cell_size, fields.origin.y + (y + 0.5) * coarse.cell_size,
+           wrap_angle(best.heading * heading_step)},
+          static_cast<float>((best.key >> 4) * scale)};
+}
+
+/// The `count` largest keys, equal ones in the order of headings and tiles. O(n + count log count).
+void keep_best(std::vector<TileBest>& tiles, std::size_t count) {
+  const auto better = [](const TileBest& a, const TileBest& b) {
+    const int sum_a = a.key >> 4;
+    const int sum_b = b.key >> 4;
+    if (sum_a != sum_b) { return sum_a > sum_b; }
+    return a.heading != b.heading ? a.heading < b.heading : a.tile < b.tile;
+  };
+  if (tiles.size() > count) {
+    std::ranges::nth_element(tiles, tiles.begin() + static_cast<std::ptrdiff_t>(count), better);
+    tiles.resize(count);
+  }
+  std::ranges::sort(tiles, better);
+}
+
+}  // namespace
+
+std::vector<CoarsePose> dense_search(const MapFields& fields, const ScanPoints& points,
+                                     const DenseSearchParams& params) {
+  const CoarseField& coarse = fields.coarse;
+  if (fields.empty() || points.size() == 0) { return {}; }
+  FLIRT_ASSERT(coarse.largest > 0);
+  const std::size_t largest_count = std::min<std::size_t>(params.largest_point_count, 4095U / coarse.largest);
+  const std::size_t count = std::min(points.size(), largest_count);
+  const auto headings = static_cast<std::size_t>(std::ceil(2 * std::numbers::pi / params.heading_step - 1e-9));
+  const double heading_step = 2 * std::numbers::pi / static_cast<double>(headings);
+
+  std::vector<TileBest> tiles;
+  std::vector<TileBest> group(coarse.blocks.size() * tiles_per_block);
+  std::vector<TileKeys> keys;
+  for (std::size_t heading = 0; heading < headings; ++heading) {
+    if (heading % params.headings_per_tile == 0) { std::ranges::fill(group, TileBest{}); }
+    search_heading(coarse, steps_at(points, static_cast<double>(heading) * heading_step, coarse.cell_size, count),
+                   keys);
+    for (std::size_t tile = 0; tile < group.size(); ++tile) {
+      const std::uint16_t key = keys[tile / tiles_per_block][tile % tiles_per_block];
+      if (key > group[tile].key) {
+        group[tile] = {key, static_cast<std::uint16_t>(heading), static_cast<std::uint32_t>(tile)};
+      }
+    }
+    if ((heading + 1) % params.headings_per_tile == 0 || heading + 1 == headings) {
+      std::ranges::copy_if(group, std::back_inserter(tiles), [](const TileBest& best) { return best.key != 0; });
+    }
+  }
+  keep_best(tiles, params.candidates);
+  const double scale = 1.0 / (static_cast<double>(count) * coarse.largest);
+  std::vector<CoarsePose> poses;
+  poses.reserve(tiles.size());
+  for (const TileBest& best : tiles) { poses.push_back(pose_of(best, fields, heading_step, scale)); }
+  return poses;
+}
+
+}  // namespace flirt
+#endif  // HWY_ONCE

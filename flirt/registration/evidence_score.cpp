@@ -1,0 +1,97 @@
+#include "flirt/registration/evidence_score.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace flirt {
+namespace {
+
+/// ⌊v⌋ for |v| < 2³¹, without a library call on processors that have no instruction for it.
+std::int32_t floor_to_int(float v) {
+  const auto truncated = static_cast<std::int32_t>(v);
+  return truncated - (v < static_cast<float>(truncated) ? 1 : 0);
+}
+
+}  // namespace
+
+EvidenceScorer::EvidenceScorer(const MapFields& fields, const EvidenceScoreParams& params)
+    : fields_(&fields), params_(params) {
+  const double sigma = params.sigma / fields.cell_size;
+  for (std::size_t code = 0; code < likelihood_of_.size(); ++code) {
+    const auto squared = static_cast<double>(code & Agreement::distance_mask);
+    likelihood_of_[code] =
+        squared == Agreement::distance_mask ? 0.0F : static_cast<float>(std::exp(-squared / (2 * sigma * sigma)));
+  }
+}
+
+EvidenceScore EvidenceScorer::score(const ScanPoints& points, const Pose2& map_from_sensor) const {
+  EvidenceScore score;
+  if (points.size() == 0) { return score; }
+  const auto scale = static_cast<float>(1.0 / fields_->cell_size);
+  const float c = scale * static_cast<float>(std::cos(map_from_sensor.theta));
+  const float s = scale * static_cast<float>(std::sin(map_from_sensor.theta));
+  const float x0 = static_cast<float>((map_from_sensor.x - fields_->origin.x) / fields_->cell_size);
+  const float y0 = static_cast<float>((map_from_sensor.y - fields_->origin.y) / fields_->cell_size);
+  const Raster<std::uint8_t>& agreement = fields_->agreement;
+  float likelihood = 0;
+  int free = 0;
+  int unknown = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto x = floor_to_int(x0 + c * points.x[i] - s * points.y[i]);
+    const auto y = floor_to_int(y0 + s * points.x[i] + c * points.y[i]);
+    if (!agreement.contains(x, y)) {
+      ++unknown;
+      continue;
+    }
+    const std::uint8_t code = agreement.at(x, y);
+    likelihood += likelihood_of_[code];
+    free += (code & Agreement::free) != 0 ? 1 : 0;
+    unknown += (code & Agreement::unknown) != 0 ? 1 : 0;
+  }
+  const auto n = static_cast<double>(points.size());
+  score.likelihood = likelihood / n;
+  score.free = free / n;
+  score.unknown = unknown / n;
+  score.through = through(points, map_from_sensor, 1);
+  score.total = params_.likelihood * score.likelihood + params_.free * score.free + params_.unknown * score.unknown +
+                params_.through * score.through;
+  return score;
+}
+
+bool EvidenceScorer::crosses_solid(float from_x, float from_y, float direction_x, float direction_y,
+                                   float length) const {
+  const Raster<std::uint8_t>& clearance = fields_->clearance;
+  for (float t = 0; t < length;) {
+    const auto x = floor_to_int(from_x + t * direction_x);
+    const auto y = floor_to_int(from_y + t * direction_y);
+    if (!clearance.contains(x, y)) {
+      t += 4;
+      continue;
+    }
+    const std::uint8_t clear = clearance.at(x, y);
+    if (clear == 255) { return true; }
+    t += std::max(0.7F, static_cast<float>(clear));
+  }
+  return false;
+}
+
+double EvidenceScorer::through(const ScanPoints& points, const Pose2& map_from_sensor, std::size_t stride) const {
+  const auto scale = static_cast<float>(1.0 / fields_->cell_size);
+  const auto c = static_cast<float>(std::cos(map_from_sensor.theta));
+  const auto s = static_cast<float>(std::sin(map_from_sensor.theta));
+  const float x0 = static_cast<float>((map_from_sensor.x - fields_->origin.x) / fields_->cell_size);
+  const float y0 = static_cast<float>((map_from_sensor.y - fields_->origin.y) / fields_->cell_size);
+  const auto margin = static_cast<float>(params_.through_margin);
+  int crossing = 0;
+  int beams = 0;
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    const float inverse_range = 1.0F / points.range[i];
+    const float dx = (c * points.x[i] - s * points.y[i]) * inverse_range;
+    const float dy = (s * points.x[i] + c * points.y[i]) * inverse_range;
+    crossing += crosses_solid(x0, y0, dx, dy, scale * (points.range[i] - margin)) ? 1 : 0;
+    ++beams;
+  }
+  return beams == 0 ? 0.0 : static_cast<double>(crossing) / beams;
+}
+
+}  // namespace flirt

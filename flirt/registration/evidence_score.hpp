@@ -1,0 +1,64 @@
+// flirt/registration/evidence_score.hpp: how well a whole scan, taken at a pose, agrees with all that a map knows.
+#pragma once
+
+#include "flirt/core/fields.hpp"
+#include "flirt/core/pose2.hpp"
+#include "flirt/registration/map_fields.hpp"
+#include "flirt/registration/scan_points.hpp"
+
+#include <array>
+#include <concepts>
+
+namespace flirt {
+
+/// Weights of the terms; fitted on the logs aces and fr101 only.
+struct EvidenceScoreParams {
+  double sigma{0.1};           ///< m, of the likelihood of an end point's distance to the nearest occupied cell
+  double likelihood{14.7};     ///< weight of the mean likelihood
+  double free{-11.7};          ///< weight of the share of end points in space known to be free
+  double unknown{1.0};         ///< weight of the share of end points where the map saw nothing
+  double through{-16.5};       ///< weight of the share of beams that cross something solid
+  double through_margin{0.3};  ///< m before a beam's end where a solid cell no longer counts as crossed
+};
+
+template <class Params, class Visitor>
+  requires std::same_as<std::remove_const_t<Params>, EvidenceScoreParams>
+void visit_fields(Params& params, Visitor&& visit) {
+  visit(params.sigma, Field{"sigma", "m", "width of the likelihood of an end point's distance", 0.01, 1.0});
+  visit(params.likelihood, Field{"likelihood", "", "weight of the mean likelihood of end points", -100, 100});
+  visit(params.free, Field{"free", "", "weight of the share of end points in free space", -100, 100});
+  visit(params.unknown, Field{"unknown", "", "weight of the share of end points in unseen space", -100, 100});
+  visit(params.through, Field{"through", "", "weight of the share of beams through something solid", -100, 100});
+  visit(params.through_margin, Field{"through_margin", "m", "part of a beam before its end that may be solid", 0, 5});
+}
+
+/// The terms, each a mean over the end points, and their weighted sum.
+struct EvidenceScore {
+  double total{0};
+  double likelihood{0};  ///< 0..1
+  double free{0};        ///< 0..1
+  double unknown{0};     ///< 0..1
+  double through{0};     ///< 0..1
+};
+
+/// Scores poses of scans in one map. Immutable after construction; tables for the parameters inside.
+class EvidenceScorer {
+ public:
+  EvidenceScorer(const MapFields& fields, const EvidenceScoreParams& params);
+
+  /// Score of the scan at a pose. O(points + cells that beams pass close to walls).
+  [[nodiscard]] EvidenceScore score(const ScanPoints& points, const Pose2& map_from_sensor) const;
+
+  /// Share of every `stride`-th beam that crosses something solid more than the margin before its end.
+  [[nodiscard]] double through(const ScanPoints& points, const Pose2& map_from_sensor, std::size_t stride) const;
+
+ private:
+  [[nodiscard]] bool crosses_solid(float from_x, float from_y, float direction_x, float direction_y,
+                                   float length) const;
+
+  const MapFields* fields_;
+  EvidenceScoreParams params_;
+  std::array<float, 256> likelihood_of_{};
+};
+
+}  // namespace flirt

@@ -1,0 +1,207 @@
+#include "flirt/registration/map_fields.hpp"
+
+#include "flirt/grid/nearest_cells.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+namespace flirt {
+namespace {
+
+/// The evidence over the map's box, as three marks a cell.
+struct Marks {
+  Raster<std::uint8_t> occupied;
+  Raster<std::uint8_t> strong;
+  Raster<std::uint8_t> seen;
+  Raster<std::uint16_t> hits;
+};
+
+template <class T>
+Raster<T> raster(std::int32_t width, std::int32_t height) {
+  return {width, height, std::vector<T>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
+}
+
+Marks marks_of(const EvidenceGrid& grid, const CellBox& box) {
+  const auto width = static_cast<std::int32_t>(box.width());
+  const auto height = static_cast<std::int32_t>(box.height());
+  Marks marks{raster<std::uint8_t>(width, height), raster<std::uint8_t>(width, height),
+              raster<std::uint8_t>(width, height), raster<std::uint16_t>(width, height)};
+  grid.for_each_row([&](CellIndex first, std::span<const EvidenceCell> row) {
+    std::size_t at = marks.seen.offset(first.x - box.min.x, first.y - box.min.y);
+    for (const EvidenceCell& cell : row) {
+      marks.occupied.cells[at] = cell.occupied() ? 1 : 0;
+      marks.strong.cells[at] = cell.strong() ? 1 : 0;
+      marks.seen.cells[at] = cell.seen() ? 1 : 0;
+      marks.hits.cells[at] = cell.hits;
+      ++at;
+    }
+  });
+  return marks;
+}
+
+/// Centre and main direction of the hits in the occupied cells around one.
+LinePiece line_piece(const Marks& marks, std::int32_t x, std::int32_t y, int radius, double cell_size) {
+  double weight = 0;
+  double sum_x = 0;
+  double sum_y = 0;
+  double sum_xx = 0;
+  double sum_xy = 0;
+  double sum_yy = 0;
+  for (int dy = -radius; dy <= radius; ++dy) {
+    for (int dx = -radius; dx <= radius; ++dx) {
+      if (dx * dx + dy * dy > radius * radius || !marks.occupied.contains(x + dx, y + dy)) { continue; }
+      const std::size_t at = marks.occupied.offset(x + dx, y + dy);
+      if (marks.occupied.cells[at] == 0) { continue; }
+      const double w = marks.hits.cells[at];
+      weight += w;
+      sum_x += w * dx;
+      sum_y += w * dy;
+      sum_xx += w * dx * dx;
+      sum_xy += w * dx * dy;
+      sum_yy += w * dy * dy;
+    }
+  }
+  const double mean_x = sum_x / weight;
+  const double mean_y = sum_y / weight;
+  // A hit is known to its cell only: variance 1/12 of a cell in each direction.
+  const double xx = sum_xx / weight - mean_x * mean_x + 1.0 / 12;
+  const double xy = sum_xy / weight - mean_x * mean_y;
+  const double yy = sum_yy / weight - mean_y * mean_y + 1.0 / 12;
+  const double half_difference = 0.5 * (xx - yy);
+  const double root = std::sqrt(half_difference * half_difference + xy * xy);
+  const double mean = 0.5 * (xx + yy);
+  const double along = 0.5 * std::atan2(2 * xy, xx - yy);
+  return {static_cast<float>((x + 0.5 + mean_x) * cell_size), static_cast<float>((y + 0.5 + mean_y) * cell_size),
+          static_cast<float>(-std::sin(along)), static_cast<float>(std::cos(along)),
+          static_cast<float>((mean - root) / (mean + root))};
+}
+
+/// Number of whole cells that a ray from any point of the cell may go before it can meet a solid one.
+std::uint8_t clearance_of(const CellOffset& solid, int reach) {
+  if (solid.squared_distance == 0) { return 255; }
+  const double distance = solid.squared_distance == CellOffset::none ? reach + 0.0 : std::sqrt(solid.squared_distance);
+  return static_cast<std::uint8_t>(std::max(0.0, distance - std::numbers::sqrt2));
+}
+
+void fill_fine_layers(MapFields& fields, const Marks& marks, const MapFieldParams& params) {
+  const std::int32_t width = marks.seen.width;
+  const std::int32_t height = marks.seen.height;
+  const int reach = std::clamp(static_cast<int>(std::lround(params.reach / fields.cell_size)), 1, longest_reach);
+  const auto columns = static_cast<std::size_t>(width);
+  const std::vector<CellOffset> to_occupied = nearest_cells(marks.occupied.cells, columns, reach);
+  const std::vector<CellOffset> to_strong = nearest_cells(marks.strong.cells, columns, longest_reach);
+  fields.agreement = raster<std::uint8_t>(width, height);
+  fields.clearance = raster<std::uint8_t>(width, height);
+  fields.line = raster<std::uint32_t>(width, height);
+
+  const int radius = std::max(1, static_cast<int>(std::lround(params.line_radius / fields.cell_size)));
+  std::vector<std::uint32_t> line_of(marks.occupied.cells.size());
+  for (std::int32_t y = 0; y < height; ++y) {
+    for (std::int32_t x = 0; x < width; ++x) {
+      if (marks.occupied.at(x, y) == 0) { continue; }
+      fields.lines.push_back(line_piece(marks, x, y, radius, fields.cell_size));
+      line_of[marks.occupied.offset(x, y)] = static_cast<std::uint32_t>(fields.lines.size());
+    }
+  }
+  for (std::size_t at = 0; at < to_occupied.size(); ++at) {
+    const CellOffset& nearest = to_occupied[at];
+    const int state = marks.seen.cells[at] == 0       ? Agreement::unknown
+                      : marks.occupied.cells[at] == 0 ? Agreement::free
+                                                      : 0;
+    fields.agreement.cells[at] =
+        static_cast<std::uint8_t>(state | std::min<int>(nearest.squared_distance, Agreement::distance_mask));
+    fields.clearance.cells[at] = clearance_of(to_strong[at], longest_reach);
+    if (nearest.squared_distance == CellOffset::none) { continue; }
+    const auto step = static_cast<std::ptrdiff_t>(nearest.dy) * width + nearest.dx;
+    fields.line.cells[at] = line_of[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(at) + step)];
+  }
+}
+
+/// What the fine cells of one coarse cell are.
+struct CoarseCell {
+  int nearest{Agreement::distance_mask};  // cells², least squared distance to something occupied
+  int free{0};
+};
+
+CoarseCell coarse_cell(const Raster<std::uint8_t>& agreement, std::int32_t x, std::int32_t y, std::int32_t factor) {
+  CoarseCell coarse;
+  for (std::int32_t v = y * factor; v < std::min((y + 1) * factor, agreement.height); ++v) {
+    for (std::int32_t u = x * factor; u < std::min((x + 1) * factor, agreement.width); ++u) {
+      const std::uint8_t cell = agreement.at(u, v);
+      coarse.nearest = std::min(coarse.nearest, cell & Agreement::distance_mask);
+      coarse.free += (cell & Agreement::free) != 0 ? 1 : 0;
+    }
+  }
+  return coarse;
+}
+
+std::int32_t round_up(std::int32_t value, std::int32_t multiple) {
+  return (value + multiple - 1) / multiple * multiple;
+}
+
+std::vector<CellIndex> standable_blocks(const CoarseField& coarse) {
+  std::vector<CellIndex> blocks;
+  for (std::int32_t y = 0; y < coarse.height; y += CoarseField::block_height) {
+    for (std::int32_t x = 0; x < coarse.width; x += CoarseField::block_width) {
+      bool any = false;
+      for (std::int32_t v = y; v < y + CoarseField::block_height; ++v) {
+        for (std::int32_t u = x; u < x + CoarseField::block_width; ++u) { any |= coarse.standable.at(u, v) != 0; }
+      }
+      if (any) { blocks.push_back({x, y}); }
+    }
+  }
+  return blocks;
+}
+
+/// Value of a coarse cell: by its best fine cell where something occupied is near, less where most of it is free.
+CoarseField coarse_field(const MapFields& fields, const MapFieldParams& params) {
+  const auto factor = static_cast<std::int32_t>(params.coarse_factor);
+  const std::int32_t width = (fields.agreement.width + factor - 1) / factor;
+  const std::int32_t height = (fields.agreement.height + factor - 1) / factor;
+  CoarseField coarse{.cell_size = factor * fields.cell_size,
+                     .unknown = static_cast<std::uint8_t>(params.free_penalty),
+                     .largest = static_cast<std::uint8_t>(params.free_penalty + params.coarse_peak),
+                     .width = round_up(width, CoarseField::block_width),
+                     .height = round_up(height, CoarseField::block_height)};
+  coarse.values = raster<std::uint8_t>(coarse.width + 2 * CoarseField::pad_x, coarse.height + 2 * CoarseField::pad_y);
+  std::ranges::fill(coarse.values.cells, coarse.unknown);
+  coarse.standable = raster<std::uint8_t>(coarse.width, coarse.height);
+  const double sigma = params.likelihood_sigma / fields.cell_size;
+  for (std::int32_t y = 0; y < height; ++y) {
+    for (std::int32_t x = 0; x < width; ++x) {
+      const CoarseCell cell = coarse_cell(fields.agreement, x, y, factor);
+      const bool far = cell.nearest == Agreement::distance_mask;
+      const double likelihood = far ? 0.0 : std::exp(-cell.nearest / (2 * sigma * sigma));
+      const bool is_free = 2 * cell.free > factor * factor;
+      const double value = params.coarse_peak * likelihood + (is_free ? 0.0 : params.free_penalty);
+      coarse.values.at(x + CoarseField::pad_x, y + CoarseField::pad_y) = static_cast<std::uint8_t>(std::lround(value));
+      coarse.standable.at(x, y) = cell.free > 0 ? 255 : 0;
+    }
+  }
+  coarse.blocks = standable_blocks(coarse);
+  return coarse;
+}
+
+}  // namespace
+
+std::size_t MapFields::bytes() const {
+  return agreement.cells.size() + clearance.cells.size() + line.cells.size() * sizeof(line.cells[0]) +
+         lines.size() * sizeof(LinePiece) + coarse.values.cells.size() + coarse.standable.cells.size() +
+         coarse.blocks.size() * sizeof(CellIndex);
+}
+
+MapFields map_fields(const EvidenceGrid& grid, const MapFieldParams& params) {
+  MapFields fields;
+  fields.cell_size = grid.params().cell_size;
+  const auto box = grid.bounds();
+  if (!box) { return fields; }
+  fields.origin = {box->min.x * fields.cell_size, box->min.y * fields.cell_size};
+  const Marks marks = marks_of(grid, *box);
+  fill_fine_layers(fields, marks, params);
+  fields.coarse = coarse_field(fields, params);
+  return fields;
+}
+
+}  // namespace flirt

@@ -1,0 +1,99 @@
+#include "flirt/registration/refine.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace flirt {
+namespace {
+
+/// Σ w JᵀMJ and Σ w JᵀMr over the end points, in a frame at the fields' origin, rotation about the sensor.
+struct NormalEquations {
+  float xx{0}, xy{0}, yy{0}, xt{0}, yt{0}, tt{0};  // upper triangle of the information matrix
+  float gx{0}, gy{0}, gt{0};                       // gradient
+  float weight{0};
+};
+
+NormalEquations normal_equations(const MapFields& fields, const ScanPoints& points, const Pose2& origin_from_sensor,
+                                 double width) {
+  const auto c = static_cast<float>(std::cos(origin_from_sensor.theta));
+  const auto s = static_cast<float>(std::sin(origin_from_sensor.theta));
+  const auto x0 = static_cast<float>(origin_from_sensor.x);
+  const auto y0 = static_cast<float>(origin_from_sensor.y);
+  const auto per_metre = static_cast<float>(1.0 / fields.cell_size);
+  const auto inverse_squared_width = static_cast<float>(1.0 / (width * width));
+  NormalEquations sum;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const float lever_x = c * points.x[i] - s * points.y[i];
+    const float lever_y = s * points.x[i] + c * points.y[i];
+    const float x = x0 + lever_x;
+    const float y = y0 + lever_y;
+    if (!(x >= 0 && y >= 0)) { continue; }
+    const auto cell_x = static_cast<std::int32_t>(x * per_metre);
+    const auto cell_y = static_cast<std::int32_t>(y * per_metre);
+    if (!fields.line.contains(cell_x, cell_y)) { continue; }
+    const std::uint32_t index = fields.line.at(cell_x, cell_y);
+    if (index == 0) { continue; }
+    const LinePiece& line = fields.lines[index - 1];
+    const float dx = x - line.x;
+    const float dy = y - line.y;
+    // M = n nᵀ + roundness · t tᵀ
+    const float m_xx = line.normal_x * line.normal_x + line.roundness * line.normal_y * line.normal_y;
+    const float m_xy = line.normal_x * line.normal_y * (1.0F - line.roundness);
+    const float m_yy = line.normal_y * line.normal_y + line.roundness * line.normal_x * line.normal_x;
+    const float r_x = m_xx * dx + m_xy * dy;
+    const float r_y = m_xy * dx + m_yy * dy;
+    const float squared = dx * r_x + dy * r_y;
+    const float root = 1.0F / (1.0F + squared * inverse_squared_width);
+    const float w = root * root;
+    const float m_xt = -m_xx * lever_y + m_xy * lever_x;
+    const float m_yt = -m_xy * lever_y + m_yy * lever_x;
+    sum.xx += w * m_xx;
+    sum.xy += w * m_xy;
+    sum.yy += w * m_yy;
+    sum.xt += w * m_xt;
+    sum.yt += w * m_yt;
+    sum.tt += w * (lever_x * m_yt - lever_y * m_xt);
+    sum.gx += w * r_x;
+    sum.gy += w * r_y;
+    sum.gt += w * (lever_x * r_y - lever_y * r_x);
+    sum.weight += w;
+  }
+  return sum;
+}
+
+Eigen::Matrix3d information_of(const NormalEquations& sum) {
+  Eigen::Matrix3d information;
+  information << sum.xx, sum.xy, sum.xt, sum.xy, sum.yy, sum.yt, sum.xt, sum.yt, sum.tt;
+  return information;
+}
+
+}  // namespace
+
+RefinedPose refine(const MapFields& fields, const ScanPoints& points, const Pose2& map_from_sensor,
+                   const RefineParams& params) {
+  Pose2 pose{map_from_sensor.x - fields.origin.x, map_from_sensor.y - fields.origin.y, map_from_sensor.theta};
+  double width = params.start_width;
+  // Holds directions in which nothing is known: a weak wish to stay.
+  const Eigen::Matrix3d stay = Eigen::Vector3d(1e-2, 1e-2, 1e-2).asDiagonal();
+  NormalEquations sum;
+  for (std::uint32_t i = 0; i < params.iterations; ++i) {
+    sum = normal_equations(fields, points, pose, width);
+    const Eigen::Vector3d gradient(sum.gx, sum.gy, sum.gt);
+    const Eigen::Vector3d step = -(information_of(sum) + stay).ldlt().solve(gradient);
+    pose = {pose.x + step.x(), pose.y + step.y(), wrap_angle(pose.theta + step.z())};
+    const bool small = step.head<2>().norm() < params.stop_translation && std::abs(step.z()) < params.stop_rotation;
+    if (small && width <= params.end_width) { break; }
+    width = std::max(params.end_width, params.shrink * width);
+  }
+  sum = normal_equations(fields, points, pose, params.end_width);
+  const double variance = params.range_sigma * params.range_sigma;
+  const Eigen::Matrix3d information = information_of(sum) / variance + Eigen::Matrix3d::Identity();
+  RefinedPose refined{{pose.x + fields.origin.x, pose.y + fields.origin.y, pose.theta}, information.inverse(), 0};
+  refined.support = points.size() == 0 ? 0.0 : sum.weight / static_cast<double>(points.size());
+  return refined;
+}
+
+}  // namespace flirt

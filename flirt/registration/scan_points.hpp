@@ -1,0 +1,40 @@
+// flirt/registration/scan_points.hpp: what registration needs of a scan: end points, thinned to even spacing.
+#pragma once
+
+#include "flirt/core/fields.hpp"
+#include "flirt/core/scan.hpp"
+
+#include <concepts>
+#include <cstddef>
+#include <vector>
+
+namespace flirt {
+
+struct ScanPointParams {
+  double spacing{0.1};     ///< m, least distance between consecutive end points that are kept
+  double range_min{0.05};  ///< m, shorter readings are not used
+  double range_max{50.0};  ///< m, longer readings are not used
+};
+
+template <class Params, class Visitor>
+  requires std::same_as<std::remove_const_t<Params>, ScanPointParams>
+void visit_fields(Params& params, Visitor&& visit) {
+  visit(params.spacing, Field{"spacing", "m", "least distance between end points that are kept", 0.0, 1.0});
+  visit(params.range_min, Field{"point_range_min", "m", "shorter readings are not used", 0.0, 10.0});
+  visit(params.range_max, Field{"point_range_max", "m", "longer readings are not used", 0.1, 100.0});
+}
+
+/// End points in order of increasing angle, in the sensor frame. Walls close to the sensor would otherwise outweigh
+/// those far away, as they get many more beams a metre.
+struct ScanPoints {
+  std::vector<float> x{};      ///< m
+  std::vector<float> y{};      ///< m
+  std::vector<float> range{};  ///< m, √(x² + y²)
+
+  [[nodiscard]] std::size_t size() const { return x.size(); }
+};
+
+/// Keeps the first end point, and each that lies at least `spacing` from the last one kept. O(beams).
+[[nodiscard]] ScanPoints scan_points(const Scan& scan, const ScanPointParams& params = {});
+
+}  // namespace flirt
