@@ -66,7 +66,7 @@ void walk(const CellGrid& grid, Point2 origin, Point2 direction, double from, do
   }
 
   const auto cell_at = [](double position, std::int32_t low, std::int32_t high) {
-    return std::clamp(static_cast<std::int32_t>(std::floor(position)), low, high);
+    return std::clamp(static_cast<std::int32_t>(position), low, high);
   };
   std::int32_t column = cell_at(start.x + from * slope.x, 0, grid.columns - 1);
   std::int32_t row = cell_at(start.y + from * slope.y, 0, grid.rows - 1);

@@ -157,6 +157,17 @@ void add_knots(std::span<const Point2> way, const DriveParams& params, std::vect
   }
 }
 
+/// Points of the way about `spacing` m apart, and more of them where the robot does not fit straight in between.
+std::vector<Point2> thin_way(const FreeSpace& space, std::span<const Point2> way, double spacing) {
+  std::vector<Point2> thinned;
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    const bool can_wait = i > 0 && i + 1 < way.size() && norm(way[i + 1] - thinned.back()) <= spacing &&
+                          space.contains(thinned.back(), way[i + 1]);
+    if (!can_wait) { thinned.push_back(way[i]); }
+  }
+  return thinned;
+}
+
 /// The way cut off after `length` m; 0: whole.
 std::vector<Point2> cut(std::vector<Point2> way, double length) {
   double driven = 0;
@@ -170,8 +181,9 @@ std::vector<Point2> cut(std::vector<Point2> way, double length) {
 }  // namespace
 
 std::vector<Point2> smooth_way(const FreeSpace& space, std::vector<Point2> way, double length) {
-  const double cells = length / space.cell_size();
-  const auto sweeps = static_cast<std::size_t>(std::ceil(cells * cells));
+  constexpr double spacing = 0.15;  // m, between the points that are moved
+  const auto sweeps = static_cast<std::size_t>(std::ceil(length * length / (spacing * spacing)));
+  way = thin_way(space, way, spacing);
   for (std::size_t sweep = 0; sweep < sweeps; ++sweep) {
     for (std::size_t i = 1; i + 1 < way.size(); ++i) {
       const Point2 middle = 0.5 * (way[i - 1] + way[i + 1]);

@@ -70,7 +70,7 @@ struct Drive {
 [[nodiscard]] std::vector<DriveKnot> scan_stops(const Drive& drive, double scan_rate, const DriveParams& params);
 
 /// A way of cells made smooth: every point moved to the middle of its neighbours again and again, over about `length`
-/// m, as long as the disc of the space fits. Ends stay. O(points · (length / cell)²).
+/// m, as long as the disc of the space fits. Ends stay. O(points · length²).
 [[nodiscard]] std::vector<Point2> smooth_way(const FreeSpace& space, std::vector<Point2> way, double length);
 
 }  // namespace flirt

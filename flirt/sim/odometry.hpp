@@ -27,7 +27,7 @@ constexpr auto enum_names(OdometryMode) {
 /// Errors of wheel odometry. Deviations grow with the root of the way, so that they do not depend on how often it is
 /// read. The defaults are those of a fair robot: some 2 % of the way and 10° in 100 m.
 struct OdometryParams {
-  OdometryMode odometry{OdometryMode::drifting};
+  OdometryMode mode{OdometryMode::drifting};
   double translation_noise{0.02};  ///< m per √m driven
   double rotation_noise{0.02};     ///< rad per √rad turned
   double heading_noise{0.01};      ///< rad per √m driven
@@ -39,7 +39,7 @@ struct OdometryParams {
 template <class Params, class Visitor>
   requires std::same_as<std::remove_const_t<Params>, OdometryParams>
 void visit_fields(Params& params, Visitor&& visit) {
-  visit(params.odometry, Field{"odometry", "", "what the scans carry"});
+  visit(params.mode, Field{"mode", "", "what the scans carry"});
   visit(params.translation_noise, Field{"translation_noise", "m/sqrt(m)", "random error of the way driven", 0, 10});
   visit(params.rotation_noise, Field{"rotation_noise", "rad/sqrt(rad)", "random error of turns", 0, 10});
   visit(params.heading_noise,

@@ -60,7 +60,7 @@ std::vector<Crossing> make_crossings(const OfficeParams& params, std::size_t row
     const std::size_t kept = rng.below(static_cast<std::uint32_t>(count));
     for (std::size_t i = 0; i < count; ++i) {
       // The same place in all rows but for a step now and then.
-      Rng at(params.office_seed, 1000 + i);
+      Rng at(params.seed, 1000 + i);
       const double step = rng.uniform() < 0.25 ? rng.uniform(-4.0, 4.0) : 0.0;
       const double missing = rng.uniform();
       const double slot = width / static_cast<double>(count);
@@ -206,7 +206,7 @@ void add_corridor_things(const Row& row, std::span<const Crossing> openings, con
 }  // namespace
 
 World make_office(const OfficeParams& params) {
-  Rng rng(params.office_seed);
+  Rng rng(params.seed);
   const Layout layout = make_layout(params, rng);
   World world;
   const std::size_t last = layout.rows.size() - 1;

@@ -22,7 +22,7 @@ struct OfficeParams {
   double furniture{0.7};         ///< 0 = empty rooms, 1 = crammed
   double glass_fronts{0.12};     ///< share of the rooms with a glass pane to the corridor or to the outside
   double twin_rooms{0.15};       ///< share of the rooms that repeat their neighbour, furniture included
-  std::uint64_t office_seed{1};  ///< another seed, another building
+  std::uint64_t seed{1};         ///< another seed, another building
 };
 
 template <class Params, class Visitor>
@@ -37,7 +37,7 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.furniture, Field{"furniture", "1", "0: empty rooms, 1: crammed", 0, 1});
   visit(params.glass_fronts, Field{"glass_fronts", "1", "share of rooms with glass to corridor or outside", 0, 1});
   visit(params.twin_rooms, Field{"twin_rooms", "1", "share of rooms that repeat their neighbour", 0, 1});
-  visit(params.office_seed, Field{"office_seed", "", "another seed, another building"});
+  visit(params.seed, Field{"seed", "", "another seed, another building"});
 }
 
 /// The building, with the middle of each room and points along the corridors as places. O(area).

@@ -50,9 +50,9 @@ Crowd::Crowd(const FreeSpace& space, std::span<const Point2> places, const Peopl
   for (const Point2 place : places) {
     if (!space.nearest(place, snapping_distance).empty()) { reachable.push_back(place); }
   }
-  if (params.people == 0 || reachable.size() < 2) { return; }
+  if (params.count == 0 || reachable.size() < 2) { return; }
   PathSearch search(space);
-  for (std::uint32_t i = 0; i < params.people; ++i) {
+  for (std::uint32_t i = 0; i < params.count; ++i) {
     Rng rng(seed, i);
     Person person;
     for (int attempt = 0; attempt < attempts && person.way.size() < 2; ++attempt) {

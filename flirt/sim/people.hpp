@@ -16,7 +16,7 @@
 namespace flirt {
 
 struct PeopleParams {
-  std::uint32_t people{0};     ///< in the whole building
+  std::uint32_t count{0};      ///< in the whole building
   double walking_speed{1.2};   ///< m/s, the mean; from one to the next it differs by a quarter
   double walking_range{20.0};  ///< m around where a person starts that he or she walks in
   double pause{4.0};           ///< s, the mean time a person stands at a place
@@ -26,7 +26,7 @@ struct PeopleParams {
 template <class Params, class Visitor>
   requires std::same_as<std::remove_const_t<Params>, PeopleParams>
 void visit_fields(Params& params, Visitor&& visit) {
-  visit(params.people, Field{"people", "", "walking in the whole building", 0, 100000});
+  visit(params.count, Field{"count", "", "walking in the whole building", 0, 100000});
   visit(params.walking_speed, Field{"walking_speed", "m/s", "mean over the people", 0.01, 10});
   visit(params.walking_range, Field{"walking_range", "m", "around a person's start that he or she walks in", 1, 1000});
   visit(params.pause, Field{"pause", "s", "mean time a person stands at a place", 0, 10000});

@@ -33,8 +33,10 @@ CellGrid grid_over(const Rectangle& box, std::size_t surfaces) {
 
 /// Calls place(cell) for each cell that the segment touches, row by row.
 template <class Place>
-void rasterize(const CellGrid& grid, Point2 begin, Point2 along, const Place& place) {
-  const Point2 end = begin + along;
+void rasterize(const CellGrid& grid, const PlanSegment& segment, const Place& place) {
+  const Point2 begin = segment.begin;
+  const Point2 end = segment.end;
+  const Point2 along = end - begin;
   const double low_y = std::min(begin.y, end.y) - cell_margin;
   const double high_y = std::max(begin.y, end.y) + cell_margin;
   const std::int32_t last_row = cell_of(high_y, grid.origin.y, grid.cell_size, grid.rows);
@@ -72,22 +74,28 @@ void rasterize(const CellGrid& grid, const PlanDisc& disc, const Place& place) {
   }
 }
 
-/// Range along the ray to a segment, at least `from`; +inf when they do not meet.
-double range_to_segment(Point2 begin, Point2 along, double tolerance, Point2 origin, Point2 direction, double from) {
-  const Point2 offset = begin - origin;
-  const double denominator = cross(direction, along);
-  const double aside = cross(offset, direction);
-  if (std::abs(denominator) * tolerance > parallel_sine * slack) {
-    const double share = aside / denominator;
-    if (share < -tolerance || share > 1 + tolerance) { return infinity; }
-    const double range = cross(offset, along) / denominator;
-    return range >= from - slack ? std::max(range, from) : infinity;
-  }
-  if (std::abs(aside) > slack) { return infinity; }  // parallel
+/// Range along a ray to a segment that it runs along (to its nearer end), at least `from`; +inf when beside it.
+double range_along(Point2 offset, Point2 along, Point2 direction, double from) {
+  if (std::abs(cross(offset, direction)) > slack) { return infinity; }
   const double a = dot(offset, direction);
   const double b = a + dot(along, direction);
-  if (std::max(a, b) < from - slack) { return infinity; }
-  return std::max(std::min(a, b), from);
+  return std::max(a, b) < from - slack ? infinity : std::max(std::min(a, b), from);
+}
+
+/// Range along the ray to a segment, in [from, nearest); +inf when there is no such point. `tolerance` is the share of
+/// its length by which both ends of the segment are extended. Divides for hits only.
+double range_to_segment(Point2 begin, Point2 along, double tolerance, Point2 origin, Point2 direction, double from,
+                        double nearest) {
+  const Point2 offset = begin - origin;
+  const double signed_denominator = cross(direction, along);
+  const double denominator = std::abs(signed_denominator);
+  if (denominator * tolerance <= parallel_sine * slack) { return range_along(offset, along, direction, from); }
+  const double share = std::copysign(1.0, signed_denominator) * cross(offset, direction);  // times the denominator
+  const double range = std::copysign(1.0, signed_denominator) * cross(offset, along);      // likewise
+  const double beyond = tolerance * denominator;
+  const bool meets = share >= -beyond && share <= denominator + beyond && range >= (from - slack) * denominator &&
+                     range < nearest * denominator;
+  return meets ? std::max(range / denominator, from) : infinity;
 }
 
 /// Range along the ray to a filled disc, at least `from`; +inf when they do not meet.
@@ -103,40 +111,40 @@ double range_to_disc(const PlanDisc& disc, Point2 origin, Point2 direction, doub
 
 }  // namespace
 
-RayCaster::RayCaster(const FloorPlan& plan) : discs_(plan.discs) {
-  surfaces_.reserve(plan.segments.size());
-  for (const PlanSegment& segment : plan.segments) {
-    const Point2 along = segment.end - segment.begin;
-    surfaces_.push_back({segment.begin, along, slack / std::max(norm(along), slack), segment.material});
-  }
-  if (!surfaces_.empty() || !discs_.empty()) {
-    cells_ = grid_over(bounds({plan.segments, plan.discs, {}}), surfaces_.size() + discs_.size());
-    place_surfaces();
-  }
+RayCaster::RayCaster(const FloorPlan& plan) {
+  if (!plan.segments.empty() || !plan.discs.empty()) { place_surfaces(plan); }
   if (!plan.image.pixels.empty()) { place_pixels(plan.image); }
 }
 
 /// Sorts surfaces and discs into cells: counts, then offsets, then entries.
-void RayCaster::place_surfaces() {
-  const auto for_each_entry = [&](const auto& entry) {
-    for (std::uint32_t i = 0; i < surfaces_.size(); ++i) {
-      rasterize(cells_, surfaces_[i].begin, surfaces_[i].along, [&](std::size_t cell) { entry(cell, i); });
-    }
-    for (std::uint32_t i = 0; i < discs_.size(); ++i) {
-      const std::uint32_t item = static_cast<std::uint32_t>(surfaces_.size()) + i;
-      rasterize(cells_, discs_[i], [&](std::size_t cell) { entry(cell, item); });
-    }
-  };
-  first_of_cell_.assign(cells_.steps_to_content.size() + 1, 0);
-  for_each_entry([&](std::size_t cell, std::uint32_t) {
-    ++first_of_cell_[cell + 1];
-    cells_.steps_to_content[cell] = 0;
-  });
-  for (std::size_t cell = 1; cell < first_of_cell_.size(); ++cell) { first_of_cell_[cell] += first_of_cell_[cell - 1]; }
-  items_.resize(first_of_cell_.back());
-  std::vector<std::uint32_t> next = first_of_cell_;
-  for_each_entry([&](std::size_t cell, std::uint32_t item) { items_[next[cell]++] = item; });
-  measure_steps(cells_);
+void RayCaster::place_surfaces(const FloorPlan& plan) {
+  grid_ = grid_over(bounds({plan.segments, plan.discs, {}}), plan.segments.size() + plan.discs.size());
+  cells_.resize(grid_.steps_to_content.size() + 1);
+  for (const PlanSegment& segment : plan.segments) {
+    rasterize(grid_, segment, [&](std::size_t cell) { ++cells_[cell].first_surface; });
+  }
+  for (const PlanDisc& disc : plan.discs) {
+    rasterize(grid_, disc, [&](std::size_t cell) { ++cells_[cell].first_disc; });
+  }
+  Cell end;
+  for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
+    const bool has_content = cells_[cell].first_surface + cells_[cell].first_disc > 0;
+    if (has_content) { grid_.steps_to_content[cell] = 0; }
+    end = {end.first_surface + cells_[cell].first_surface, end.first_disc + cells_[cell].first_disc};
+    cells_[cell] = end;
+  }
+  // Each entry moves its cell's offset from the end to the beginning.
+  surfaces_.resize(end.first_surface);
+  discs_.resize(end.first_disc);
+  for (const PlanSegment& segment : plan.segments) {
+    const Point2 along = segment.end - segment.begin;
+    const Surface surface{segment.begin, along, slack / std::max(norm(along), slack), segment.material};
+    rasterize(grid_, segment, [&](std::size_t cell) { surfaces_[--cells_[cell].first_surface] = surface; });
+  }
+  for (const PlanDisc& disc : plan.discs) {
+    rasterize(grid_, disc, [&](std::size_t cell) { discs_[--cells_[cell].first_disc] = disc; });
+  }
+  measure_steps(grid_);
 }
 
 void RayCaster::place_pixels(const PixelPlan& image) {
@@ -152,30 +160,37 @@ void RayCaster::place_pixels(const PixelPlan& image) {
 
 RayHit RayCaster::nearest_surface(Point2 origin, Point2 direction, double from, double to) const {
   double nearest = infinity;
-  std::uint32_t nearest_item = 0;
-  walk(cells_, origin, direction, from, to, [&](const CellVisit& visit) {
-    for (std::uint32_t k = first_of_cell_[visit.cell]; k < first_of_cell_[visit.cell + 1]; ++k) {
-      const std::uint32_t item = items_[k];
-      const double range = item < surfaces_.size()
-                               ? range_to_segment(surfaces_[item].begin, surfaces_[item].along,
-                                                  surfaces_[item].tolerance, origin, direction, from)
-                               : range_to_disc(discs_[item - surfaces_.size()], origin, direction, from);
+  const Surface* surface = nullptr;
+  const PlanDisc* disc = nullptr;
+  walk(grid_, origin, direction, from, to, [&](const CellVisit& visit) {
+    const Cell& cell = cells_[visit.cell];
+    const Cell& next = cells_[visit.cell + 1];
+    for (std::uint32_t k = cell.first_surface; k < next.first_surface; ++k) {
+      const Surface& candidate = surfaces_[k];
+      const double range =
+          range_to_segment(candidate.begin, candidate.along, candidate.tolerance, origin, direction, from, nearest);
       if (range < nearest) {
         nearest = range;
-        nearest_item = item;
+        surface = &candidate;
+        disc = nullptr;
+      }
+    }
+    for (std::uint32_t k = cell.first_disc; k < next.first_disc; ++k) {
+      const double range = range_to_disc(discs_[k], origin, direction, from);
+      if (range < nearest) {
+        nearest = range;
+        disc = &discs_[k];
       }
     }
     return nearest <= visit.leave;  // what lies in later cells is further away
   });
   if (!(nearest <= to)) { return {infinity}; }
-  if (nearest_item >= surfaces_.size()) {
-    const PlanDisc& disc = discs_[nearest_item - surfaces_.size()];
-    const double aside = cross(direction, disc.center - origin) / std::max(disc.radius, slack);
+  if (disc != nullptr) {
+    const double aside = cross(direction, disc->center - origin) / std::max(disc->radius, slack);
     return {nearest, Material::solid, std::sqrt(std::max(0.0, 1 - aside * aside))};
   }
-  const Surface& surface = surfaces_[nearest_item];
-  const double length = std::max(norm(surface.along), slack);
-  return {nearest, surface.material, std::min(1.0, std::abs(cross(direction, surface.along)) / length)};
+  const double length_inverse = surface->tolerance / slack;
+  return {nearest, surface->material, std::min(1.0, std::abs(cross(direction, surface->along)) * length_inverse)};
 }
 
 RayHit RayCaster::nearest_pixel(Point2 origin, Point2 direction, double from, double to) const {
@@ -194,7 +209,7 @@ RayHit RayCaster::nearest_pixel(Point2 origin, Point2 direction, double from, do
 
 std::optional<RayHit> RayCaster::first_hit(Point2 origin, Point2 direction, double from, double to) const {
   RayHit hit{infinity};
-  if (cells_.columns > 0) { hit = nearest_surface(origin, direction, from, to); }
+  if (grid_.columns > 0) { hit = nearest_surface(origin, direction, from, to); }
   if (pixels_.columns > 0) {
     const RayHit pixel = nearest_pixel(origin, direction, from, to);
     if (pixel.range < hit.range) { hit = pixel; }

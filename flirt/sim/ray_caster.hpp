@@ -42,16 +42,20 @@ class RayCaster {
     double tolerance;  ///< share of the length by which both ends are extended
     Material material;
   };
-  void place_surfaces();
+  /// Where a cell's surfaces and discs begin; they end where those of the next cell begin.
+  struct Cell {
+    std::uint32_t first_surface{0};
+    std::uint32_t first_disc{0};
+  };
+  void place_surfaces(const FloorPlan& plan);
   void place_pixels(const PixelPlan& image);
   [[nodiscard]] RayHit nearest_surface(Point2 origin, Point2 direction, double from, double to) const;
   [[nodiscard]] RayHit nearest_pixel(Point2 origin, Point2 direction, double from, double to) const;
 
-  std::vector<Surface> surfaces_;
-  std::vector<PlanDisc> discs_;
-  CellGrid cells_;
-  std::vector<std::uint32_t> first_of_cell_;  ///< cells + 1; into items_
-  std::vector<std::uint32_t> items_;          ///< a surface's number, or surfaces + a disc's number
+  CellGrid grid_;
+  std::vector<Cell> cells_;        ///< cells of the grid + 1
+  std::vector<Surface> surfaces_;  ///< cell by cell, once for each cell that they touch
+  std::vector<PlanDisc> discs_;    ///< likewise
   CellGrid pixels_;
   Pose2 image_from_map_;
 };

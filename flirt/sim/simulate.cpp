@@ -48,7 +48,7 @@ Result<Simulation> simulate(const World& world, const SimulateParams& params, co
   for (const DriveKnot& stop : stops) { map_from_robot.push_back(stop.map_from_robot); }
   std::vector<Scan>& scans = simulation.log.scans;
   scans.resize(stops.size());
-  if (params.odometry.odometry == OdometryMode::drifting) {
+  if (params.odometry.mode == OdometryMode::drifting) {
     const auto odom_from_robot = drifting_odometry(map_from_robot, params.odometry, seed_of(params, odometry_stream));
     for (std::size_t i = 0; i < scans.size(); ++i) { scans[i].odom_from_robot = odom_from_robot[i]; }
   }

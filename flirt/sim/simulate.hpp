@@ -1,7 +1,7 @@
 // flirt/sim/simulate.hpp: a robot with a laser scanner drives through a floor plan; the truth is known exactly.
 //
 //   const World office = make_office({.area = 2000});
-//   const Result<Simulation> simulation = simulate(office, {.people = {.people = 10}});
+//   const Result<Simulation> simulation = simulate(office, {.people = {.count = 10}});
 #pragma once
 
 #include "flirt/core/fields.hpp"
@@ -36,6 +36,7 @@ struct Simulation {
 };
 
 /// Drives and measures. An error when the robot fits nowhere in the plan. O(scans · beams) besides planning the drive.
+/// `progress` is of the measuring, from its first scans on.
 [[nodiscard]] Result<Simulation> simulate(const World& world, const SimulateParams& params = {},
                                           const Progress& progress = {});
 
