@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t n_min_first = 3;
 constexpr std::uint32_t n_min_last = 15;
 constexpr std::size_t n_min_count = n_min_last - n_min_first + 1;
-constexpr std::array picks{PickBy::closest, PickBy::corresp, PickBy::residual};
+constexpr std::array strategies{PickBy::closest, PickBy::corresp, PickBy::residual};
 
 bool within(const Pose2& pose, const Pose2& truth, double max_distance, double max_heading) {
   return distance(pose, truth) <= max_distance && heading_difference(pose, truth) <= max_heading;
@@ -55,7 +55,7 @@ struct Pick {
 
 /// All that is kept of one query, so that solution sets of thousands of hypotheses need not be.
 struct Outcome {
-  std::array<std::array<Pick, n_min_count>, picks.size()> picks{};
+  std::array<std::array<Pick, n_min_count>, strategies.size()> picks{};
   std::vector<LocalizationAnswer> answers;
   LocalizeTimes times;
 };
@@ -76,11 +76,11 @@ LocalizationAnswer answer_from(const Hypothesis* best, std::size_t query, std::s
 
 void judge_solution_set(const LocalizationResult& result, std::size_t query, const Pose2& truth,
                         const LocalizationBenchParams& params, Outcome& outcome) {
-  for (std::size_t s = 0; s < picks.size(); ++s) {
+  for (std::size_t s = 0; s < strategies.size(); ++s) {
     for (std::size_t k = 0; k < n_min_count; ++k) {
       const auto n_min = static_cast<std::uint32_t>(n_min_first + k);
-      const Hypothesis* best = pick_best(result.hypotheses, n_min, picks[s], truth, params);
-      const LocalizationAnswer answer = answer_from(best, query, to_string(picks[s]), truth, result, params);
+      const Hypothesis* best = pick_best(result.hypotheses, n_min, strategies[s], truth, params);
+      const LocalizationAnswer answer = answer_from(best, query, to_string(strategies[s]), truth, result, params);
       outcome.picks[s][k] = {answer.answered, answer.correct};
       if (k == 0) {
         outcome.answers.push_back(answer);
@@ -119,7 +119,7 @@ Interval bootstrap(std::span<const std::uint32_t> blocks, const Counted& counted
 
 StrategyCurve strategy_curve(std::span<const Outcome> outcomes, std::size_t s, std::span<const std::uint32_t> blocks,
                              std::uint64_t seed) {
-  StrategyCurve curve{.strategy = picks[s]};
+  StrategyCurve curve{.strategy = strategies[s]};
   for (std::size_t k = 0; k < n_min_count; ++k) {
     std::size_t answered = 0;
     std::size_t correct = 0;
@@ -230,7 +230,7 @@ LocalizationBench bench_localization(const ScanLog& log, const PlaceMap& map, co
   if (revisit) {
     bench.revisit = revisit_summary(bench.answers, blocks, params.seed);
   } else {
-    for (std::size_t s = 0; s < picks.size(); ++s) {
+    for (std::size_t s = 0; s < strategies.size(); ++s) {
       bench.strategies.push_back(strategy_curve(outcomes, s, blocks, params.seed));
     }
   }

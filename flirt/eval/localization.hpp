@@ -49,15 +49,15 @@ struct LocalizationBenchParams {
 /// One answer of one strategy to one query.
 struct LocalizationAnswer {
   std::size_t query{0};
-  std::string_view strategy;  ///< closest, corresp, residual; under `revisit` localize
-  bool answerable{true};      ///< always true under `paper`
-  bool answered{false};       ///< false: the fields below mean nothing
-  std::size_t reference{0};   ///< scan of the log that the pose came from
+  std::string_view strategy{};  ///< closest, corresp, residual; under `revisit` localize
+  bool answerable{true};        ///< always true under `paper`
+  bool answered{false};         ///< false: the fields below mean nothing
+  std::size_t reference{0};     ///< scan of the log that the pose came from
   Pose2 map_from_sensor{};
   double confidence{0};
   std::uint32_t inliers{0};
-  double residual{0};        ///< m²
-  std::string_view verdict;  ///< unique, ambiguous, lost
+  double residual{0};          ///< m²
+  std::string_view verdict{};  ///< unique, ambiguous, lost
   bool correct{false};
   bool precise{false};
 };
@@ -65,10 +65,10 @@ struct LocalizationAnswer {
 /// P1 Fig. 5: precision and recall of one strategy over the least number of inliers, over all queries.
 struct StrategyCurve {
   PickBy strategy{PickBy::closest};
-  std::vector<std::uint32_t> n_min;  ///< 3..15
-  std::vector<Rate> precision;       ///< correct of answered
-  std::vector<Rate> recall;          ///< correct of all queries
-  Interval recall_bootstrap;         ///< of recall at the least n_min, by blocks of trajectory
+  std::vector<std::uint32_t> n_min{};  ///< 3..15
+  std::vector<Rate> precision{};       ///< correct of answered
+  std::vector<Rate> recall{};          ///< correct of all queries
+  Interval recall_bootstrap{};         ///< of recall at the least n_min, by blocks of trajectory
 
   /// p_GL read as correct of all queries (recall at the least n_min) and as precision at the least n_min.
   [[nodiscard]] Rate p_gl() const { return recall.front(); }
@@ -78,10 +78,10 @@ struct StrategyCurve {
 };
 
 struct RevisitSummary {
-  Rate success;          ///< right pose at 0.5 m and 10°, of the answerable queries
-  Rate precise_success;  ///< the same at 0.25 m and 5°
-  Interval success_bootstrap;
-  std::vector<PrecisionRecallPoint> curve;
+  Rate success{};          ///< right pose at 0.5 m and 10°, of the answerable queries
+  Rate precise_success{};  ///< the same at 0.25 m and 5°
+  Interval success_bootstrap{};
+  std::vector<PrecisionRecallPoint> curve{};
 };
 
 struct LocalizationTimes {
@@ -97,10 +97,10 @@ struct LocalizationBench {
   std::size_t answerable{0};
   std::size_t map_scans{0};
   double features_per_scan{0};
-  std::vector<StrategyCurve> strategies;  ///< under `paper`
-  std::optional<RevisitSummary> revisit;  ///< under `revisit`
-  LocalizationTimes times;
-  std::vector<LocalizationAnswer> answers;  ///< one per query and strategy, in query order
+  std::vector<StrategyCurve> strategies{};  ///< under `paper`
+  std::optional<RevisitSummary> revisit{};  ///< under `revisit`
+  LocalizationTimes times{};
+  std::vector<LocalizationAnswer> answers{};  ///< one per query and strategy, in query order
 };
 
 /// Runs a protocol over the log, which needs poses (truth). `map` is the map of all its scans in log order. The answers

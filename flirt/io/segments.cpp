@@ -48,7 +48,7 @@ Result<FloorPlan> read_segments(const std::filesystem::path& path) {
     const std::optional<PlanSegment> segment = segment_from(text);
     if (!segment) {
       return fail(lines->name() + ":" + std::to_string((*line)->number) +
-                  ": expected a segment as x1,y1,x2,y2, found " + quoted(text));
+                  ": expected a segment as x1,y1,x2,y2, found " + in_quotes(text));
     }
     plan.segments.push_back(*segment);
   }
