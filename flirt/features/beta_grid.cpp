@@ -21,11 +21,25 @@ Point2 rotated(Point2 v, Point2 rotation) {
   return {rotation.x * v.x - rotation.y * v.y, rotation.y * v.x + rotation.x * v.y};
 }
 
-/// The bin that a whole number of bins beyond the first means, in a full turn of `bins`.
-std::size_t wrapped(std::ptrdiff_t bin, std::ptrdiff_t bins) {
-  const std::ptrdiff_t rest = bin % bins;
-  return static_cast<std::size_t>(rest < 0 ? rest + bins : rest);
+/// std::floor and std::ceil are calls on machines before SSE 4.1; the numbers here are small.
+std::ptrdiff_t floor_index(double x) {
+  const auto truncated = static_cast<std::ptrdiff_t>(x);
+  return truncated - static_cast<std::ptrdiff_t>(x < static_cast<double>(truncated));
 }
+std::ptrdiff_t ceil_index(double x) {
+  return -floor_index(-x);
+}
+
+/// Where a beam crosses the half line along an edge, as a fraction: only those in reach are worth a division. The
+/// denominator is not positive when the beam does not cross it.
+struct Crossing {
+  double numerator{0};  ///< m
+  double denominator{0};
+
+  [[nodiscard]] bool is_after(double along) const { return denominator > 0 && numerator > along * denominator; }
+  [[nodiscard]] bool is_before(double along) const { return denominator > 0 && numerator <= along * denominator; }
+  [[nodiscard]] double along() const { return numerator / denominator; }
+};
 
 }  // namespace
 
@@ -69,22 +83,25 @@ BetaGrid::BetaGrid(const BetaGridParams& params) : params_(params) {
   high_squared_.resize(params.radial_bins);
   hits_.resize(dimension());
   misses_.resize(dimension());
+  passed_.resize(dimension());
 }
 
 void BetaGrid::count(const BeamFan& fan, const Keypoint& keypoint) {
   std::fill(hits_.begin(), hits_.end(), 0U);
   std::fill(misses_.begin(), misses_.end(), 0U);
+  std::fill(passed_.begin(), passed_.end(), 0.0);
   if (!can_describe(params_, keypoint)) { return; }
   place(keypoint);
   const double reach = outer_radius(params_, keypoint) + params_.radial_inflation;
-  fan.for_each_near(keypoint.sensor_from_keypoint.translation(), reach,
-                    [&](std::size_t i, const FanBeam& beam) { count_beam(beam, fan.angle(i)); });
+  fan.for_each_near(keypoint.sensor_from_keypoint.translation(), reach, [&](const FanBeam& beam) { count_beam(beam); });
+  std::transform(passed_.begin(), passed_.end(), misses_.begin(),
+                 [](double beams) { return static_cast<std::uint32_t>(beams); });
 }
 
 void BetaGrid::place(const Keypoint& keypoint) {
   keypoint_from_sensor_ = -1.0 * keypoint.sensor_from_keypoint.translation();
-  direction_ = keypoint.sensor_from_keypoint.theta;
-  const Point2 rotation = unit(direction_);
+  turn_ = share_of_turn(keypoint.sensor_from_keypoint.theta);
+  const Point2 rotation = unit(keypoint.sensor_from_keypoint.theta);
   for (std::size_t k = 0; k < lower_.size(); ++k) {
     placed_lower_[k] = rotated(lower_[k], rotation);
     placed_upper_[k] = rotated(upper_[k], rotation);
@@ -99,7 +116,7 @@ void BetaGrid::place(const Keypoint& keypoint) {
   }
 }
 
-void BetaGrid::count_beam(const FanBeam& beam, double angle) {
+void BetaGrid::count_beam(const FanBeam& beam) {
   const double across = cross(beam.direction, keypoint_from_sensor_);
   const double across_squared = across * across;
   const double half_chord_squared = high_squared_.back() - across_squared;
@@ -113,9 +130,8 @@ void BetaGrid::count_beam(const FanBeam& beam, double angle) {
       across, across_squared, known, end, across_squared + end * end, beam.has_return && end <= half_chord};
   // Where the beam comes from, as seen by the keypoint, in angular bins from the first; the beam then turns around the
   // keypoint by up to half a circle. Its own direction plus π, and the bins start at −π.
-  const auto bins = static_cast<double>(lower_.size());
-  const double turns = (angle - direction_) / (2.0 * std::numbers::pi);
-  const double start = (turns - std::floor(turns)) * bins;
+  const double turn = beam.turn - turn_;
+  const double start = (turn < 0 ? turn + 1.0 : turn) * static_cast<double>(lower_.size());
   if (std::abs(across) <= radial_distance) {
     count_radial(course, start);
   } else {
@@ -133,26 +149,25 @@ void BetaGrid::sweep(const Course& course, Point2 direction, double start) {
       params_.angular_inflation * static_cast<double>(bins) / (2.0 * std::numbers::pi) - least_overlap;
   const bool clockwise = course.across > 0;
   const double side = clockwise ? 1.0 : -1.0;
-  const std::vector<Point2>& entries = clockwise ? placed_upper_ : placed_lower_;
-  const std::vector<Point2>& exits = clockwise ? placed_lower_ : placed_upper_;
-  const auto first = static_cast<std::ptrdiff_t>(clockwise ? std::ceil(start + overlap) - 1.0
-                                                           : std::floor(start - overlap - 1.0) + 1.0);
-  const auto last = static_cast<std::ptrdiff_t>(clockwise ? std::floor(start - half - overlap - 1.0) + 1.0
-                                                          : std::ceil(start + half + overlap) - 1.0);
+  const Point2* const entries = clockwise ? placed_upper_.data() : placed_lower_.data();
+  const Point2* const exits = clockwise ? placed_lower_.data() : placed_upper_.data();
+  const std::ptrdiff_t first = clockwise ? ceil_index(start + overlap) - 1 : floor_index(start - overlap - 1.0) + 1;
+  const std::ptrdiff_t last =
+      clockwise ? floor_index(start - half - overlap - 1.0) + 1 : ceil_index(start + half + overlap) - 1;
   const std::ptrdiff_t wedges = std::min(bins, std::abs(last - first) + 1);
-  const auto crossing = [&](Point2 edge, double otherwise) {
-    const double sine = cross(direction, edge);
-    return side * sine > 0 ? course.across * dot(direction, edge) / sine : otherwise;
-  };
-  for (std::ptrdiff_t k = 0; k < wedges; ++k) {
-    const std::size_t wedge = wrapped(clockwise ? first - k : first + k, bins);
-    const Interval within{crossing(entries[wedge], -infinity), crossing(exits[wedge], infinity)};
-    if (within.from > course.known.to) { return; }
-    if (within.to < course.known.from) { continue; }
-    // A point on the line between two bins belongs to the one that it opens, counter-clockwise.
-    const bool ends_here = clockwise ? within.from < course.end && course.end <= within.to
-                                     : within.from <= course.end && course.end < within.to;
-    count_wedge(course, wedge, within, ends_here);
+  const std::ptrdiff_t step = clockwise ? bins - 1 : 1;
+  const double distance = std::abs(course.across);
+  const Interval known = course.known;
+  std::ptrdiff_t wedge = first < 0 ? first + bins : first % bins;
+  for (std::ptrdiff_t k = 0; k < wedges; ++k, wedge = wedge + step < bins ? wedge + step : wedge + step - bins) {
+    const Crossing exit{distance * dot(direction, exits[wedge]), side * cross(direction, exits[wedge])};
+    if (exit.is_before(known.from)) { continue; }
+    const Crossing entry{distance * dot(direction, entries[wedge]), side * cross(direction, entries[wedge])};
+    if (entry.is_after(known.to)) { return; }
+    const Interval within{entry.is_after(known.from) ? entry.along() : known.from,
+                          exit.is_before(known.to) ? exit.along() : known.to};
+    count_wedge(course, static_cast<std::size_t>(wedge), within,
+                !entry.is_after(course.end) && !exit.is_before(course.end));
   }
 }
 
@@ -179,18 +194,20 @@ void BetaGrid::count_wedge(const Course& course, std::size_t wedge, Interval wit
   const double from_squared = from * from;
   const double to_squared = to * to;
   const bool passes_foot = from < 0 && to > 0;
-  const double nearest = course.across_squared + (passes_foot ? 0.0 : std::min(from_squared, to_squared));
-  const double farthest = course.across_squared + std::max(from_squared, to_squared);
   const bool has_length = to - from > least_length;
-  const bool ends = ends_here && course.ends_on_something;
+  const double nearest = course.across_squared + (passes_foot ? 0.0 : std::min(from_squared, to_squared));
+  const double farthest = has_length ? course.across_squared + std::max(from_squared, to_squared) : 0.0;
+  const double* const low = low_squared_.data();
+  const double* const high = high_squared_.data();
   const std::size_t rings = low_squared_.size();
-  std::uint32_t* const hits = hits_.data() + wedge * rings;
-  std::uint32_t* const misses = misses_.data() + wedge * rings;
+  double* const passed = passed_.data() + wedge * rings;
+  for (std::size_t j = 0; j < rings; ++j) { passed[j] += farthest > low[j] && nearest < high[j] ? 1.0 : 0.0; }
+  if (!ends_here || !course.ends_on_something) { return; }
   for (std::size_t j = 0; j < rings; ++j) {
-    const bool is_met = has_length && farthest > low_squared_[j] && nearest < high_squared_[j];
-    const bool is_hit = ends && course.end_squared >= low_squared_[j] && course.end_squared < high_squared_[j];
-    hits[j] += static_cast<std::uint32_t>(is_hit);
-    misses[j] += static_cast<std::uint32_t>(is_met && !is_hit);
+    const bool is_hit = course.end_squared >= low[j] && course.end_squared < high[j];
+    if (!is_hit) { continue; }
+    ++hits_[wedge * rings + j];
+    passed[j] -= farthest > low[j] && nearest < high[j] ? 1.0 : 0.0;  // the bin of the end gets the hit only
   }
 }
 

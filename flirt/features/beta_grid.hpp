@@ -83,7 +83,7 @@ class BetaGrid {
   struct Course;
   struct Interval;
   void place(const Keypoint& keypoint);
-  void count_beam(const FanBeam& beam, double angle);
+  void count_beam(const FanBeam& beam);
   void sweep(const Course& course, Point2 direction, double start);
   void count_radial(const Course& course, double start);
   void count_wedge(const Course& course, std::size_t wedge, Interval interval, bool ends_here);
@@ -96,9 +96,10 @@ class BetaGrid {
   std::vector<double> low_squared_;   ///< m², inner arc of each radial bin, inflated
   std::vector<double> high_squared_;  ///< m², outer arc
   Point2 keypoint_from_sensor_{};     ///< where the sensor is, seen from the keypoint, axes of the sensor frame
-  double direction_{0};               ///< rad, of the keypoint in the sensor frame
+  double turn_{0};                    ///< direction of the keypoint in the sensor frame, as a share of a full turn
   std::vector<std::uint32_t> hits_;
   std::vector<std::uint32_t> misses_;
+  std::vector<double> passed_;  ///< the misses while they are counted: compared and added as doubles, several at once
 };
 
 }  // namespace flirt

@@ -6,31 +6,27 @@
 namespace flirt {
 namespace {
 
-/// Length 0 for a beam that says nothing.
-FanBeam beam_of(double range, Point2 direction, const Beams& layout, NoReturnMeaning no_return) {
-  if (!std::isfinite(direction.x) || !std::isfinite(direction.y)) { return {direction, 0.0, false}; }
-  switch (classify(range, layout)) {
-    case Reading::hit:
-      return {direction, range, true};
-    case Reading::no_return:
-      return {direction, no_return == NoReturnMeaning::free_space ? layout.range_max : 0.0, false};
-    case Reading::invalid:
-      break;
-  }
-  return {direction, 0.0, false};
+FanBeam beam_at(double angle) {
+  return {.direction = {std::cos(angle), std::sin(angle)}, .turn = share_of_turn(angle)};
+}
+
+/// Fills in what the reading says; length 0 when that is nothing.
+void read_beam(FanBeam& beam, double range, const Beams& layout, NoReturnMeaning no_return) {
+  const Reading reading = std::isfinite(beam.direction.x) ? classify(range, layout) : Reading::invalid;
+  const bool is_free = reading == Reading::no_return && no_return == NoReturnMeaning::free_space;
+  beam.has_return = reading == Reading::hit;
+  beam.length = beam.has_return ? range : (is_free ? layout.range_max : 0.0);
 }
 
 }  // namespace
 
 void BeamFan::assign(const Scan& scan, NoReturnMeaning no_return) {
-  const bool same_directions = scan.beams == layout_ && scan.ranges.size() == beams_.size();
-  layout_ = scan.beams;
-  beams_.resize(scan.ranges.size());
-  for (std::size_t i = 0; i < beams_.size(); ++i) {
-    const double angle = layout_.angle(i);
-    const Point2 direction = same_directions ? beams_[i].direction : Point2{std::cos(angle), std::sin(angle)};
-    beams_[i] = beam_of(scan.ranges[i], direction, layout_, no_return);
+  if (scan.beams != layout_ || scan.ranges.size() != beams_.size()) {
+    layout_ = scan.beams;
+    beams_.clear();
+    for (std::size_t i = 0; i < scan.ranges.size(); ++i) { beams_.push_back(beam_at(layout_.angle(i))); }
   }
+  for (std::size_t i = 0; i < beams_.size(); ++i) { read_beam(beams_[i], scan.ranges[i], layout_, no_return); }
 }
 
 BeamFan::Window BeamFan::window_around(Point2 centre, double radius) const {

@@ -69,9 +69,16 @@ template <class Params>
   return is_finite(keypoint.sensor_from_keypoint) && std::isfinite(outer) && outer > params.inner_radius;
 }
 
+/// An angle as a share of a full turn, [0, 1] (1 by rounding only).
+[[nodiscard]] inline double share_of_turn(double angle) {
+  const double turns = angle / (2.0 * std::numbers::pi);
+  return turns - std::floor(turns);
+}
+
 /// One beam in the sensor frame.
 struct FanBeam {
   Point2 direction{};      ///< unit length
+  double turn{0};          ///< the same as a share of a full turn, [0, 1]
   double length{0};        ///< m, known course; 0: says nothing
   bool has_return{false};  ///< ended on something at `length`
 };
@@ -82,10 +89,8 @@ class BeamFan {
   /// O(beams), without trigonometry when the scan before had the same beams. Keeps its memory.
   void assign(const Scan& scan, NoReturnMeaning no_return);
 
-  [[nodiscard]] double angle(std::size_t i) const { return layout_.angle(i); }
-
-  /// visit(i, beam) for each beam that may come within `radius` of `centre` (sensor frame, finite), each once, indices
-  /// ascending: those within asin(radius / distance) of its bearing, and at most a few neighbours more.
+  /// visit(beam) for each beam that may come within `radius` of `centre` (sensor frame, finite), each once, in
+  /// order: those within asin(radius / distance) of its bearing, and at most a few neighbours more.
   template <class Visitor>
   void for_each_near(Point2 centre, double radius, const Visitor& visit) const {
     const Window window = window_around(centre, radius);
@@ -93,7 +98,7 @@ class BeamFan {
     for (double shift = 0; next < beams_.size() && window.low + shift < static_cast<double>(beams_.size());
          shift += window.turn) {
       const std::size_t end = index_clamped(window.high + shift);
-      for (next = std::max(next, index_clamped(window.low + shift)); next < end; ++next) { visit(next, beams_[next]); }
+      for (next = std::max(next, index_clamped(window.low + shift)); next < end; ++next) { visit(beams_[next]); }
     }
   }
 

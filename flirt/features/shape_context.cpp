@@ -21,7 +21,7 @@ void ShapeContext::count(const BeamFan& fan, const Keypoint& keypoint) {
   const Point2 centre = keypoint.sensor_from_keypoint.translation();
   const double theta = keypoint.sensor_from_keypoint.theta;
   const Point2 direction{std::cos(theta), std::sin(theta)};
-  fan.for_each_near(centre, outer, [&](std::size_t /*i*/, const FanBeam& beam) {
+  fan.for_each_near(centre, outer, [&](const FanBeam& beam) {
     const Point2 offset = beam.length * beam.direction - centre;
     const double squared_distance = squared_norm(offset);
     const bool is_inside = squared_distance >= inner * inner && squared_distance < outer * outer;
