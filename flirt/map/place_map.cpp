@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -101,6 +102,14 @@ std::string complaint(const PlaceMapViews& columns, std::uint32_t dimension, std
                    wrong_numbers("y", columns.y), wrong_numbers("theta", columns.theta)});
 }
 
+/// The nearest float that means the same: 80.1 is "no return" where range_max is 80.1, but its nearest float is not.
+float rounded(double range, const Beams& beams) {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  const auto nearest = static_cast<float>(range);
+  if (classify(nearest, beams) == classify(range, beams)) { return nearest; }
+  return std::nextafter(nearest, nearest < range ? infinity : -infinity);
+}
+
 template <class T>
 void append(std::vector<T>& column, const std::vector<T>& values) {
   column.insert(column.end(), values.begin(), values.end());
@@ -194,16 +203,11 @@ FeatureColumns PlaceMap::features(std::size_t scan) const {
                           .stride = descriptor_stride_}};
 }
 
-void PlaceMapBuilder::add_geometry(Beams beams) {
-  // Rounded like the readings, so that a reading of range_max stays "no return".
-  beams.range_min = static_cast<float>(beams.range_min);
-  beams.range_max = static_cast<float>(beams.range_max);
-  // Nearly always the geometry of the scan before; logs have one or two in all.
-  const auto known = std::find(columns_.beams.rbegin(), columns_.beams.rend(), beams);
-  const auto index = static_cast<std::size_t>(columns_.beams.rend() - known);
-  if (known == columns_.beams.rend()) { columns_.beams.push_back(beams); }
-  columns_.geometry.push_back(
-      static_cast<std::uint32_t>(known == columns_.beams.rend() ? columns_.beams.size() - 1 : index - 1));
+void PlaceMapBuilder::add_geometry(const Beams& beams) {
+  // Logs have one or two geometries in all.
+  const auto known = std::find(columns_.beams.begin(), columns_.beams.end(), beams);
+  columns_.geometry.push_back(static_cast<std::uint32_t>(known - columns_.beams.begin()));
+  if (known == columns_.beams.end()) { columns_.beams.push_back(beams); }
 }
 
 void PlaceMapBuilder::add_features(const Features& features) {
@@ -237,7 +241,7 @@ void PlaceMapBuilder::add(const Scan& scan, const Pose2& map_from_sensor, const 
   columns_.map_from_sensor.push_back(map_from_sensor);
   columns_.robot_from_sensor.push_back(scan.robot_from_sensor);
   add_geometry(scan.beams);
-  for (const double range : scan.ranges) { columns_.ranges.push_back(static_cast<float>(range)); }
+  for (const double range : scan.ranges) { columns_.ranges.push_back(rounded(range, scan.beams)); }
   columns_.range_begin.push_back(columns_.ranges.size());
   add_features(features);
 }

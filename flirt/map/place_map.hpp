@@ -28,7 +28,7 @@ struct PlaceMapColumns {
   Column<Pose2> map_from_sensor{};        ///< n; where each scan was taken
   Column<Pose2> robot_from_sensor{};      ///< n
   Column<std::uint32_t> geometry{};       ///< n, index into `beams`
-  Column<Beams> beams{};                  ///< g, each geometry once, its limits rounded to float like the readings
+  Column<Beams> beams{};                  ///< g, each geometry once
   Column<std::uint64_t> range_begin{};    ///< n + 1; scan i has readings range_begin[i] .. range_begin[i + 1]
   Column<float> ranges{};                 ///< r, m, as the sensor gave them (`classify` before use)
   Column<std::uint64_t> feature_begin{};  ///< n + 1; scan i has features feature_begin[i] .. feature_begin[i + 1]
@@ -107,7 +107,7 @@ class PlaceMap {
   [[nodiscard]] const Beams& beams(std::size_t scan) const { return columns_.beams[columns_.geometry[scan]]; }
   /// Readings of a scan, m.
   [[nodiscard]] std::span<const float> ranges(std::size_t scan) const;
-  /// Copy of a scan; stamp and odometry are not kept in a map, and ranges are rounded to float.
+  /// Copy of a scan; stamp and odometry are not kept in a map, and ranges are rounded to floats of the same meaning.
   [[nodiscard]] Scan scan(std::size_t scan) const;
   /// The features of a scan, in place.
   [[nodiscard]] FeatureColumns features(std::size_t scan) const;
@@ -134,7 +134,7 @@ class PlaceMapBuilder {
   [[nodiscard]] PlaceMap build() &&;
 
  private:
-  void add_geometry(Beams beams);
+  void add_geometry(const Beams& beams);
   void add_features(const Features& features);
 
   PlaceMapVectors columns_{.range_begin = {0}, .feature_begin = {0}};
