@@ -34,7 +34,7 @@ EvidenceScore EvidenceScorer::score(const ScanPoints& points, const Pose2& map_f
   const float y0 = static_cast<float>((map_from_sensor.y - fields_->origin.y) / fields_->cell_size);
   const Raster<std::uint8_t>& agreement = fields_->agreement;
   float likelihood = 0;
-  int free = 0;
+  float free = 0;
   int unknown = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto x = floor_to_int(x0 + c * points.x[i] - s * points.y[i]);
@@ -45,14 +45,14 @@ EvidenceScore EvidenceScorer::score(const ScanPoints& points, const Pose2& map_f
     }
     const std::uint8_t code = agreement.at(x, y);
     likelihood += likelihood_of_[code];
-    free += (code & Agreement::free) != 0 ? 1 : 0;
+    free += (code & Agreement::free) != 0 ? 1.0F - likelihood_of_[code] : 0.0F;
     unknown += (code & Agreement::unknown) != 0 ? 1 : 0;
   }
   const auto n = static_cast<double>(points.size());
   score.likelihood = likelihood / n;
   score.free = free / n;
   score.unknown = unknown / n;
-  score.through = through(points, map_from_sensor, 1);
+  score.through = through(points, map_from_sensor);
   score.total = params_.likelihood * score.likelihood + params_.free * score.free + params_.unknown * score.unknown +
                 params_.through * score.through;
   return score;
@@ -75,23 +75,25 @@ bool EvidenceScorer::crosses_solid(float from_x, float from_y, float direction_x
   return false;
 }
 
-double EvidenceScorer::through(const ScanPoints& points, const Pose2& map_from_sensor, std::size_t stride) const {
+double EvidenceScorer::through(const ScanPoints& points, const Pose2& map_from_sensor, std::size_t stride,
+                               double most) const {
   const auto scale = static_cast<float>(1.0 / fields_->cell_size);
   const auto c = static_cast<float>(std::cos(map_from_sensor.theta));
   const auto s = static_cast<float>(std::sin(map_from_sensor.theta));
-  const float x0 = static_cast<float>((map_from_sensor.x - fields_->origin.x) / fields_->cell_size);
-  const float y0 = static_cast<float>((map_from_sensor.y - fields_->origin.y) / fields_->cell_size);
+  const auto x0 = static_cast<float>((map_from_sensor.x - fields_->origin.x) / fields_->cell_size);
+  const auto y0 = static_cast<float>((map_from_sensor.y - fields_->origin.y) / fields_->cell_size);
   const auto margin = static_cast<float>(params_.through_margin);
+  const std::size_t beams = (points.size() + stride - 1) / stride;
+  const double most_beams = most * static_cast<double>(beams);
   int crossing = 0;
-  int beams = 0;
   for (std::size_t i = 0; i < points.size(); i += stride) {
     const float inverse_range = 1.0F / points.range[i];
     const float dx = (c * points.x[i] - s * points.y[i]) * inverse_range;
     const float dy = (s * points.x[i] + c * points.y[i]) * inverse_range;
     crossing += crosses_solid(x0, y0, dx, dy, scale * (points.range[i] - margin)) ? 1 : 0;
-    ++beams;
+    if (crossing > most_beams) { return 1.0; }
   }
-  return beams == 0 ? 0.0 : static_cast<double>(crossing) / beams;
+  return beams == 0 ? 0.0 : crossing / static_cast<double>(beams);
 }
 
 }  // namespace flirt

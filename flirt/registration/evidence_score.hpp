@@ -49,8 +49,10 @@ class EvidenceScorer {
   /// Score of the scan at a pose. O(points + cells that beams pass close to walls).
   [[nodiscard]] EvidenceScore score(const ScanPoints& points, const Pose2& map_from_sensor) const;
 
-  /// Share of every `stride`-th beam that crosses something solid more than the margin before its end.
-  [[nodiscard]] double through(const ScanPoints& points, const Pose2& map_from_sensor, std::size_t stride) const;
+  /// Share of every `stride`-th beam that crosses something solid more than the margin before its end. Once it is sure
+  /// to exceed `most`, 1 is returned.
+  [[nodiscard]] double through(const ScanPoints& points, const Pose2& map_from_sensor, std::size_t stride = 1,
+                               double most = 1) const;
 
  private:
   [[nodiscard]] bool crosses_solid(float from_x, float from_y, float direction_x, float direction_y,

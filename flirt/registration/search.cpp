@@ -38,17 +38,30 @@ std::vector<Pose2> ranked_candidates(const MapFields& fields, const ScanPoints& 
     double value;
     std::size_t index;
   };
-  std::vector<Ranked> ranked(coarse.size());
+  const auto better = [](const Ranked& a, const Ranked& b) {
+    return a.value != b.value ? a.value > b.value : a.index < b.index;
+  };
+  // Coarse poses come best first, and rays only take value away: once a pose is worth less than the worst of a full
+  // heap, so are all after it.
+  std::vector<Ranked> best;
   for (std::size_t i = 0; i < coarse.size(); ++i) {
-    const double through = scorer.through(points, coarse[i].map_from_sensor, params.ray_stride);
-    ranked[i] = {coarse[i].value - params.ray_weight * through, i};
+    const bool full = best.size() == params.refined;
+    if (full && coarse[i].value <= best.front().value) { break; }
+    const double most_through = full ? (coarse[i].value - best.front().value) / params.ray_weight : 1.0;
+    const double through = scorer.through(points, coarse[i].map_from_sensor, params.ray_stride, most_through);
+    const Ranked ranked{coarse[i].value - params.ray_weight * through, i};
+    if (full && !better(ranked, best.front())) { continue; }
+    if (full) {
+      std::ranges::pop_heap(best, better);
+      best.pop_back();
+    }
+    best.push_back(ranked);
+    std::ranges::push_heap(best, better);
   }
-  const std::size_t count = std::min<std::size_t>(params.refined, ranked.size());
-  std::ranges::partial_sort(
-      ranked, ranked.begin() + static_cast<std::ptrdiff_t>(count),
-      [](const Ranked& a, const Ranked& b) { return a.value != b.value ? a.value > b.value : a.index < b.index; });
-  std::vector<Pose2> poses(count);
-  for (std::size_t i = 0; i < count; ++i) { poses[i] = coarse[ranked[i].index].map_from_sensor; }
+  std::ranges::sort(best, better);
+  std::vector<Pose2> poses;
+  poses.reserve(best.size());
+  for (const Ranked& ranked : best) { poses.push_back(coarse[ranked.index].map_from_sensor); }
   return poses;
 }
 

@@ -1,0 +1,78 @@
+#include "flirt/registration/dense_search.hpp"
+
+#include "rooms.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+namespace flirt {
+namespace {
+
+/// Best mean value of each tile of 4 × 4 cells and `headings_per_tile` headings, by the plain loops.
+std::vector<float> by_plain_loops(const MapFields& fields, const ScanPoints& points, const DenseSearchParams& params) {
+  const CoarseField& coarse = fields.coarse;
+  const int headings = static_cast<int>(std::lround(2 * std::numbers::pi / params.heading_step));
+  std::map<std::tuple<int, int, int>, int> best;
+  for (int heading = 0; heading < headings; ++heading) {
+    const double c = std::cos(heading * 2 * std::numbers::pi / headings) / coarse.cell_size;
+    const double s = std::sin(heading * 2 * std::numbers::pi / headings) / coarse.cell_size;
+    for (int y = 0; y < coarse.height; ++y) {
+      for (int x = 0; x < coarse.width; ++x) {
+        if (coarse.standable.at(x, y) == 0) { continue; }
+        int sum = 0;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+          const auto u = x + static_cast<int>(std::lround(c * points.x[i] - s * points.y[i]));
+          const auto v = y + static_cast<int>(std::lround(s * points.x[i] + c * points.y[i]));
+          const bool inside = u >= 0 && v >= 0 && u < coarse.width && v < coarse.height;
+          sum += inside ? coarse.values.at(u + CoarseField::pad_x, v + CoarseField::pad_y) : coarse.unknown;
+        }
+        int& tile = best[{heading / static_cast<int>(params.headings_per_tile), y / 4, x / 4}];
+        tile = std::max(tile, sum);
+      }
+    }
+  }
+  std::vector<float> values;
+  for (const auto& [tile, sum] : best) {
+    values.push_back(static_cast<float>(sum * (1.0 / (static_cast<double>(points.size()) * coarse.largest))));
+  }
+  std::ranges::sort(values, std::greater{});
+  return values;
+}
+
+TEST(DenseSearch, EqualsPlainLoops) {
+  const auto walls = rooms::asymmetric_room();
+  const MapFields fields = map_fields(rooms::evidence_of(walls, rooms::walk({})));
+  ScanPoints points = scan_points(rooms::scan_of(walls, {3.1, 3.3, 0.4}, std::numbers::pi));
+  // A point so far away that its shift leaves the map on every side.
+  points.x.push_back(40);
+  points.y.push_back(-3);
+  points.range.push_back(40.1F);
+  ASSERT_LE(points.size(), 250U);
+  const DenseSearchParams params{.heading_step = radians_from_degrees(10), .largest_point_count = 250};
+  const std::vector<CoarsePose> found = dense_search(fields, points, params);
+  const std::vector<float> expected = by_plain_loops(fields, points, params);
+  ASSERT_GT(found.size(), 100U);
+  std::vector<float> values;
+  for (const CoarsePose& pose : found) { values.push_back(pose.value); }
+  ASSERT_LE(values.size(), expected.size());
+  EXPECT_EQ(values,
+            std::vector<float>(expected.begin(), expected.begin() + static_cast<std::ptrdiff_t>(values.size())));
+}
+
+TEST(DenseSearch, PutsATruePoseOnTheGridFirst) {
+  const auto walls = rooms::asymmetric_room();
+  const MapFields fields = map_fields(rooms::evidence_of(walls, rooms::walk({})));
+  const double cell = fields.coarse.cell_size;
+  const Pose2 truth{fields.origin.x + 20.5 * cell, fields.origin.y + 18.5 * cell, radians_from_degrees(30)};
+  const auto found = dense_search(fields, scan_points(rooms::scan_of(walls, truth, std::numbers::pi)));
+  ASSERT_FALSE(found.empty());
+  EXPECT_LE(distance(found[0].map_from_sensor, truth), 1.5 * cell);
+  EXPECT_LE(heading_difference(found[0].map_from_sensor, truth), radians_from_degrees(3.01));
+  EXPECT_TRUE(std::ranges::is_sorted(found, std::ranges::greater{}, [](const CoarsePose& pose) { return pose.value; }));
+}
+
+}  // namespace
+}  // namespace flirt
