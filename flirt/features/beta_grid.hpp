@@ -2,6 +2,8 @@
 // (P1 §2.2, P2 §III-B).
 #pragma once
 
+#include "flirt/features/aligned.hpp"
+#include "flirt/features/beta_grid_kernel.hpp"
 #include "flirt/features/describe_geometry.hpp"
 
 #include <concepts>
@@ -71,7 +73,7 @@ class BetaGrid {
   explicit BetaGrid(const BetaGridParams& params);
 
   /// Replaces the counts. All zero when the keypoint is not finite or its radius is not above the inner one.
-  /// O(beams near the keypoint · bins crossed).
+  /// O(beams near the keypoint · bins).
   void count(const BeamFan& fan, const Keypoint& keypoint);
 
   [[nodiscard]] const BetaGridParams& params() const { return params_; }
@@ -80,26 +82,23 @@ class BetaGrid {
   [[nodiscard]] std::span<const std::uint32_t> misses() const { return misses_; }
 
  private:
-  struct Course;
-  struct Interval;
   void place(const Keypoint& keypoint);
-  void count_beam(const FanBeam& beam);
-  void sweep(const Course& course, Point2 direction, double start);
-  void count_radial(const Course& course, double start);
-  void count_wedge(const Course& course, std::size_t wedge, Interval interval, bool ends_here);
+  void follow(const FanBeam& beam);
+  void count_radial(const beta_grid_kernel::Course& course);
 
   BetaGridParams params_;
-  std::vector<Point2> lower_;         ///< clockwise edge of each angular bin, inflated, relative to the keypoint
-  std::vector<Point2> upper_;         ///< counter-clockwise edge
-  std::vector<Point2> placed_lower_;  ///< the same in the sensor frame
-  std::vector<Point2> placed_upper_;
-  std::vector<double> low_squared_;   ///< m², inner arc of each radial bin, inflated
+  std::size_t stride_;               ///< angular bins, padded
+  std::vector<Point2> lower_;        ///< clockwise side of each angular bin, inflated, relative to the keypoint
+  std::vector<Point2> upper_;        ///< counter-clockwise side
+  AlignedDoubles placed_sides_;      ///< the same in the sensor frame: x, y of the lower, x, y of the upper; 4 × stride
+  std::vector<double> low_squared_;  ///< m², inner arc of each radial bin, inflated
   std::vector<double> high_squared_;  ///< m², outer arc
   Point2 keypoint_from_sensor_{};     ///< where the sensor is, seen from the keypoint, axes of the sensor frame
-  double turn_{0};                    ///< direction of the keypoint in the sensor frame, as a share of a full turn
+  std::vector<beta_grid_kernel::Course> courses_;
+  AlignedDoubles hit_counts_;   ///< radial bins × stride
+  AlignedDoubles miss_counts_;  ///< radial bins × stride
   std::vector<std::uint32_t> hits_;
   std::vector<std::uint32_t> misses_;
-  std::vector<double> passed_;  ///< the misses while they are counted: compared and added as doubles, several at once
 };
 
 }  // namespace flirt

@@ -6,10 +6,6 @@
 namespace flirt {
 namespace {
 
-FanBeam beam_at(double angle) {
-  return {.direction = {std::cos(angle), std::sin(angle)}, .turn = share_of_turn(angle)};
-}
-
 /// Fills in what the reading says; length 0 when that is nothing.
 void read_beam(FanBeam& beam, double range, const Beams& layout, NoReturnMeaning no_return) {
   const Reading reading = std::isfinite(beam.direction.x) ? classify(range, layout) : Reading::invalid;
@@ -24,7 +20,10 @@ void BeamFan::assign(const Scan& scan, NoReturnMeaning no_return) {
   if (scan.beams != layout_ || scan.ranges.size() != beams_.size()) {
     layout_ = scan.beams;
     beams_.clear();
-    for (std::size_t i = 0; i < scan.ranges.size(); ++i) { beams_.push_back(beam_at(layout_.angle(i))); }
+    for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+      const double angle = layout_.angle(i);
+      beams_.push_back({.direction = {std::cos(angle), std::sin(angle)}});
+    }
   }
   for (std::size_t i = 0; i < beams_.size(); ++i) { read_beam(beams_[i], scan.ranges[i], layout_, no_return); }
 }

@@ -69,16 +69,9 @@ template <class Params>
   return is_finite(keypoint.sensor_from_keypoint) && std::isfinite(outer) && outer > params.inner_radius;
 }
 
-/// An angle as a share of a full turn, [0, 1] (1 by rounding only).
-[[nodiscard]] inline double share_of_turn(double angle) {
-  const double turns = angle / (2.0 * std::numbers::pi);
-  return turns - std::floor(turns);
-}
-
 /// One beam in the sensor frame.
 struct FanBeam {
   Point2 direction{};      ///< unit length
-  double turn{0};          ///< the same as a share of a full turn, [0, 1]
   double length{0};        ///< m, known course; 0: says nothing
   bool has_return{false};  ///< ended on something at `length`
 };

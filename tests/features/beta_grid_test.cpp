@@ -74,8 +74,6 @@ TEST(BetaGrid, ABeamThatEndsBeforeSaysNothing) {
 }
 
 TEST(BetaGrid, ABinThatIsLeftAndEnteredAgainCountsOnce) {
-  // 16 bins of 90° and rings of 0.1 m; the keypoint looks to the left, so that the whole crossing lies in one wedge:
-  // ahead within ±45° would need bins turned by 45°, hence the direction.
   const Pose2 looking_left{2.0, -0.25, 0.75 * pi};  // the beam's nearest point lies at −45°: the middle of wedge 1
   const Counts passing = count(single_beam(0.0, 10.0), looking_left, four_by_four());
   EXPECT_EQ(passing.misses[1 * 4 + 2], 1U);  // 0.3 to 0.4 m, passed on the way in and out
@@ -96,6 +94,15 @@ TEST(BetaGrid, ATangentDoesNotPass) {
   counts = count(single_beam(0.0, 10.0), {2.0, -0.25, 0.0}, touching);  // touches the arc between rings 0 and 1
   EXPECT_EQ(counts.misses[3 * 4 + 0] + counts.misses[2 * 4 + 0], 0U);
   EXPECT_EQ(counts.misses[3 * 4 + 1] + counts.misses[2 * 4 + 1], 2U);
+}
+
+TEST(BetaGrid, AnEndOnAnArcBelongsToTheOuterRing) {
+  BetaGridParams params = four_by_four();
+  params.inner_radius = 0.0625;
+  params.radius = 0.5625;  // arcs at 0.1875, 0.3125 and 0.4375 m, exact in binary
+  const Counts counts = count(single_beam(0.0, 2.25), {2.0, -0.1875, 0.0}, params);  // ends 0.3125 m away: 3, 4, 5
+  EXPECT_EQ(counts.hits, ones_at({2 * 4 + 2}));
+  EXPECT_EQ(counts.misses, ones_at({3 * 4 + 3, 3 * 4 + 2, 3 * 4 + 1, 2 * 4 + 1}));
 }
 
 TEST(BetaGrid, TheBeamOfTheKeypointMissesWhatIsBeforeIt) {
