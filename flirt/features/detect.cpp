@@ -66,7 +66,7 @@ double direction(Point2 from, Point2 to) {
 /// Adds the peaks of one scale to the candidates.
 void collect(const ScanCurve& curve, const SelectionParams& params, std::size_t level, Work& work) {
   for (const std::uint32_t peak : work.peaks) {
-    const std::uint32_t point = params.foreground_shift ? foreground_point(curve, peak) : peak;
+    const std::uint32_t point = params.foreground_shift ? foreground_point(curve, peak, params.foreground_jump) : peak;
     if (!curve.hit[point]) { continue; }
     work.candidates.push_back({peak, point, work.response[peak], static_cast<std::uint8_t>(level)});
   }

@@ -16,7 +16,8 @@
 namespace flirt {
 
 enum class PeakRule {
-  neighbours,  ///< a maximum exceeds both neighbours by more than the difference; equal samples count as one
+  neighbours,  ///< a maximum exceeds both neighbours by more than the difference, equal samples counting as one: the
+               ///< rule of the authors' own program
   prominence,  ///< to both sides the signal falls by more than the difference, in any number of samples, before it
                ///< rises above the maximum: does not depend on how densely the signal is sampled
 };
@@ -28,7 +29,7 @@ constexpr auto enum_names(PeakRule /*tag*/) {
 struct PeakParams {
   double threshold{0.34};               ///< of the response (m or rad for the signal detectors); maxima lie above
   double difference{0.001};             ///< by which a maximum must stand out, in the unit of the response
-  PeakRule rule{PeakRule::neighbours};  ///< among which samples it must stand out
+  PeakRule rule{PeakRule::prominence};  ///< among which samples it must stand out
 };
 
 enum class Extrema {

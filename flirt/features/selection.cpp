@@ -14,14 +14,14 @@ Point2 point_of(const ScanCurve& curve, const Candidate& candidate) {
 
 }  // namespace
 
-std::uint32_t foreground_point(const ScanCurve& curve, std::uint32_t peak) {
+std::uint32_t foreground_point(const ScanCurve& curve, std::uint32_t peak, double jump) {
   const auto n = static_cast<std::uint32_t>(curve.size());
   const std::uint32_t after = peak + 1 < n ? peak + 1 : 0;
   const std::uint32_t before = peak > 0 ? peak - 1 : n - 1;
   std::uint32_t nearest = peak;
   for (const std::uint32_t other : {after, before}) {
     if (other != peak && curve.adjacent(peak, other) && curve.hit[other] &&
-        curve.ranges[other] < curve.ranges[nearest]) {
+        curve.ranges[other] < curve.ranges[nearest] && curve.ranges[peak] - curve.ranges[other] > jump) {
       nearest = other;
     }
   }

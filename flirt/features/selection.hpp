@@ -35,12 +35,13 @@ constexpr auto enum_names(Anchor /*tag*/) {
   return std::to_array<std::pair<Anchor, std::string_view>>({{Anchor::keypoint, "keypoint"}, {Anchor::peak, "peak"}});
 }
 
-/// Which peaks become keypoints. None of this is in the papers; the rules are those of the authors' own program with
-/// a radius in place of a box along the axes of the world.
+/// Which peaks become keypoints. None of this is in the papers. The authors' own program has foreground_jump 0,
+/// Precedence::angle and, for duplicates, a box along the axes of the world in place of the radius.
 struct SelectionParams {
   NoReturn no_return{NoReturn::drop};           ///< what becomes of beams without a return
-  bool foreground_shift{true};                  ///< move a detection to the neighbouring beam when that is nearer
-  Anchor anchor{Anchor::keypoint};              ///< of direction and support region after such a move
+  bool foreground_shift{true};                  ///< move a detection at a jump of the range to the nearer beam
+  double foreground_jump{0.5};                  ///< m; by which that neighbouring beam must be nearer
+  Anchor anchor{Anchor::peak};                  ///< of direction and support region after such a move
   double duplicate_radius{0.2};                 ///< m; drop a detection this close to one of a finer scale; 0: keep all
   Precedence precedence{Precedence::response};  ///< between two of the same scale within the radius
 };
@@ -55,7 +56,7 @@ struct Candidate {
 
 /// The point that a detection at `peak` is moved to: the nearer in range of the points under the two adjacent beams
 /// (the one at the larger angle when equally near) if it is nearer than the peak itself, else the peak.
-[[nodiscard]] std::uint32_t foreground_point(const ScanCurve& curve, std::uint32_t peak);
+[[nodiscard]] std::uint32_t foreground_point(const ScanCurve& curve, std::uint32_t peak, double jump);
 
 /// Keeps in `candidates` (sorted by level, then peak) those that are not duplicates: each in turn, fine scales first,
 /// unless a kept one lies closer than the radius. Two candidates of one level at the same point count once whatever the
@@ -68,6 +69,7 @@ template <class Params, class Visitor>
 void visit_fields(Params& params, Visitor&& visit) {
   visit(params.no_return, Field{"no_return", "", "what becomes of beams without a return"});
   visit(params.foreground_shift, Field{"foreground_shift", "", "move detections to a nearer neighbouring beam"});
+  visit(params.foreground_jump, Field{"foreground_jump", "m", "by which that beam must be nearer", 0.0, 1e3});
   visit(params.anchor, Field{"anchor", "", "where direction and support region are taken after such a move"});
   visit(params.duplicate_radius,
         Field{"duplicate_radius", "m", "detections this close are one; 0 keeps all", 0.0, 1e3});

@@ -1,9 +1,9 @@
 // Agreement of the detectors with what the authors' own program computed on 40 scans of fr079.
 //
 // The program is set to that one's choices wherever those are a matter of choice: kernels cut off at ±⌈t⌉ samples,
-// spanning trees for the geodesics, direction and support region from where the signal peaks, detections of one scale
-// in order of their angle. Its faults are not copied into the library; where one would spoil the comparison, the test
-// emulates it:
+// spanning trees for the geodesics, peaks that exceed both neighbours, moves to the foreground however small the jump,
+// direction and support region from where the signal peaks, detections of one scale in order of their angle. Its faults
+// are not copied into the library; where one would spoil the comparison, the test emulates it:
 // - signals go on by mirroring about the outermost sample on the left, but about the edge beside it on the right: each
 //   half of a scan is compared with the result for the border on its side;
 // - duplicates are dropped within a box along the axes of the world: the test asks for all detections, drops by the
@@ -193,6 +193,8 @@ Params reference_params(Border border) {
   Params params;
   params.selection.anchor = Anchor::peak;
   params.selection.precedence = Precedence::angle;
+  params.selection.foreground_jump = 0.0;
+  params.peaks.rule = PeakRule::neighbours;
   params.selection.duplicate_radius = 0.0;
   params.smoothing.truncation = Truncation::half_width;
   params.smoothing.border = border;
@@ -374,6 +376,8 @@ TEST(ReferenceDetect, CurvatureKeypointsAgreeWithTheAuthorsProgram) {
   params.end_margin = 0.0;
   params.selection.anchor = Anchor::peak;
   params.selection.precedence = Precedence::angle;
+  params.selection.foreground_jump = 0.0;
+  params.peaks.rule = PeakRule::neighbours;
   params.selection.duplicate_radius = 0.0;
   Detector detector(params);
   Tally peaks;
