@@ -42,6 +42,11 @@ class ParamFlags {
   std::vector<std::shared_ptr<ParamField>> fields_;
 };
 
+/// A value as a person would type it.
+inline std::string default_text(const nlohmann::ordered_json& value) {
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
 /// "inlier_distance" → "inlier-distance".
 std::string kebab_case(std::string_view name);
 
@@ -53,11 +58,11 @@ bool parse_switch(const ParamField& field, const std::string& text);
 std::string describe_range(const Field& field);
 
 template <class Value>
-std::string default_text(const Value& value) {
+nlohmann::ordered_json json_of(const Value& value) {
   if constexpr (std::is_enum_v<Value>) {
     return std::string(to_string(value));
   } else {
-    return nlohmann::json(value).dump();
+    return value;
   }
 }
 
@@ -95,13 +100,7 @@ void ParamFlags::add(CLI::App& command, const std::string& group, Params& params
     field->set = [&value, description, raw = field.get()](const std::string& text) {
       value = detail::parse<Value>(*raw, text, description);
     };
-    field->get = [&value]() -> nlohmann::ordered_json {
-      if constexpr (std::is_enum_v<Value>) {
-        return std::string(to_string(value));
-      } else {
-        return value;
-      }
-    };
+    field->get = [&value] { return detail::json_of(value); };
     std::string help(description.help);
     if (!description.unit.empty() && description.unit != "1") { help += " [" + std::string(description.unit) + "]"; }
     help += detail::describe_range(description);
@@ -110,7 +109,7 @@ void ParamFlags::add(CLI::App& command, const std::string& group, Params& params
       for (const auto& [candidate, name] : enum_names(Value{})) { help += std::string(name) + " "; }
       help.back() = ')';
     }
-    bind(command, field, help + " (default " + detail::default_text(value) + ")");
+    bind(command, field, help + " (default " + default_text(detail::json_of(value)) + ")");
   });
 }
 
