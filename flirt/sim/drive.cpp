@@ -2,6 +2,7 @@
 
 #include "flirt/core/assert.hpp"
 #include "flirt/core/rng.hpp"
+#include "flirt/sim/path_search.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,13 +13,8 @@ namespace {
 
 constexpr double smoothing_length = 0.6;   // m, of the way's corners
 constexpr double deviation_length = 5.0;   // m, over which the deviation to the side changes
+constexpr double cutting_reserve = 1.5;    // rounds are planned this much too long, since smooth ways are shorter
 constexpr double snapping_distance = 1.0;  // m, from a place to where the robot fits
-
-/// What the drive is made of, before timing.
-struct Plan {
-  std::vector<Point2> way{};
-  std::vector<std::size_t> round_end{};  ///< index into way, one per round
-};
 
 double way_length(std::span<const Point2> way) {
   double length = 0;
@@ -45,10 +41,13 @@ bool append_leg(std::vector<Point2>& way, std::span<const Point2> leg) {
   return !leg.empty();
 }
 
-/// The first round: always to the nearest place not yet seen. Leaves `places` in the order of visiting.
-std::vector<Point2> exploring_way(PathSearch& search, std::vector<Point2>& places, double max_length) {
+/// The first round: always to the nearest place not yet seen. Leaves `places` in the order of visiting, and in
+/// `reached_after` the way to each in m.
+std::vector<Point2> exploring_way(PathSearch& search, std::vector<Point2>& places, double max_length,
+                                  std::vector<double>& reached_after) {
   std::vector<Point2> remaining(places.begin() + 1, places.end());
   places.resize(1);
+  reached_after = {0};
   std::vector<Point2> way{places[0]};
   double length = 0;
   while (!remaining.empty() && (max_length == 0 || length < max_length)) {
@@ -56,6 +55,7 @@ std::vector<Point2> exploring_way(PathSearch& search, std::vector<Point2>& place
     if (!append_leg(way, found.path)) { break; }
     length += way_length(found.path);
     places.push_back(remaining[found.goal]);
+    reached_after.push_back(length);
     remaining[found.goal] = remaining.back();
     remaining.pop_back();
   }
@@ -72,12 +72,18 @@ std::vector<Point2> revisiting_way(PathSearch& search, std::span<const Point2> p
   std::vector<Point2> way{start};
   double length = 0;
   for (const Point2 place : order) {
-    if (params.round_length > 0 && length >= params.round_length) { break; }
+    if (params.round_length > 0 && length >= cutting_reserve * params.round_length) { break; }
     const std::vector<Point2> leg = search.path(way.back(), place);
     length += way_length(leg);
     append_leg(way, leg);
   }
   return way;
+}
+
+/// Leaves the places that were reached on the first `driven` m, and one at least.
+void forget_unreached(std::vector<Point2>& places, std::span<const double> reached_after, double driven) {
+  const auto reached = std::upper_bound(reached_after.begin(), reached_after.end(), driven + 1e-6);
+  places.resize(static_cast<std::size_t>(std::max<std::ptrdiff_t>(1, reached - reached_after.begin())));
 }
 
 /// Smooth random numbers of deviation 1 along a way.
@@ -203,12 +209,18 @@ Drive plan_drive(const FreeSpace& space, std::span<const Point2> places, const D
   std::swap(order[0], order[rng.below(static_cast<std::uint32_t>(order.size()))]);
   PathSearch search(space);
   Point2 start = order[0];
+  std::vector<double> reached_after;
   for (std::uint32_t round = 0; round < params.rounds; ++round) {
+    const double limit = cutting_reserve * params.round_length;
     std::vector<Point2> way =
-        round == 0 ? exploring_way(search, order, params.round_length) : revisiting_way(search, order, start, params);
-    way = smooth_way(space, cut(std::move(way), params.round_length), smoothing_length);
+        round == 0 ? exploring_way(search, order, limit, reached_after) : revisiting_way(search, order, start, params);
+    const double planned = way_length(way);
+    way = smooth_way(space, std::move(way), smoothing_length);
     way = meandering_way(space, std::move(way), params.lateral_deviation, rng.bits());
     way = smooth_way(space, std::move(way), smoothing_length / 2);
+    const double smooth = way_length(way);
+    way = cut(std::move(way), params.round_length);
+    if (round == 0) { forget_unreached(order, reached_after, planned * way_length(way) / std::max(smooth, 1e-9)); }
     start = way.back();
     drive.round_begin.push_back(drive.knots.empty() ? 0.0 : drive.knots.back().stamp);
     add_knots(way, params, drive.knots);

@@ -1,13 +1,13 @@
 #include "flirt/sim/free_space.hpp"
 
-#include "flirt/core/assert.hpp"
 #include "flirt/core/rng.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
-#include <queue>
+#include <numbers>
 #include <utility>
 
 namespace flirt {
@@ -17,20 +17,6 @@ constexpr float unreachable = std::numeric_limits<float>::infinity();
 constexpr double half_diagonal = 0.70710678118654757;  // of a cell, in cells
 constexpr double comfort = 0.6;                        // m, clearance above which a way costs no more than its length
 constexpr double crowding_cost = 4.0;                  // added cost per m at no clearance
-
-struct Neighbour {
-  std::int32_t right;
-  std::int32_t up;
-  float length;  ///< cells
-};
-constexpr std::array<Neighbour, 8> neighbours{{{1, 0, 1.0F},
-                                               {1, 1, 1.41421356F},
-                                               {0, 1, 1.0F},
-                                               {-1, 1, 1.41421356F},
-                                               {-1, 0, 1.0F},
-                                               {-1, -1, 1.41421356F},
-                                               {0, -1, 1.0F},
-                                               {1, -1, 1.41421356F}}};
 
 double cell_size_for(double area) {
   constexpr double max_cells = 12e6;
@@ -116,10 +102,11 @@ void sample_pixels(const PixelPlan& image, double step, const Mark& mark) {
 
 }  // namespace
 
-FreeSpace::FreeSpace(const FloorPlan& plan, double radius) : radius_(radius) {
+FreeSpace::FreeSpace(const FloorPlan& plan, double radius) : radius_(radius), caster_(plan) {
   const Rectangle box = bounds(plan);
-  origin_ = box.low;
   cell_size_ = cell_size_for(box.width() * box.height());
+  if (box.width() == 0 && box.height() == 0) { return; }  // nothing there, hence no inside
+  origin_ = box.low;
   needed_clearance_ = std::hypot(radius, half_diagonal * cell_size_);
   columns_ = static_cast<std::int32_t>(box.width() / cell_size_) + 1;
   rows_ = static_cast<std::int32_t>(box.height() / cell_size_) + 1;
@@ -129,7 +116,7 @@ FreeSpace::FreeSpace(const FloorPlan& plan, double radius) : radius_(radius) {
   for (std::size_t cell = 0; cell < distance_.size(); ++cell) {
     inside_[cell] = clearance(center_of(cell)) >= needed_clearance_ ? 1 : 0;
   }
-  keep_largest_space();
+  keep_one_space();
 }
 
 std::int64_t FreeSpace::cell_of(Point2 point) const {
@@ -188,41 +175,55 @@ double FreeSpace::area() const {
   return cell_size_ * cell_size_ * static_cast<double>(std::count(inside_.begin(), inside_.end(), 1));
 }
 
-/// Numbers the connected spaces, and keeps the largest of those that do not reach the plan's border; if all do, the
-/// largest. The border of a closed building is its walls; what lies around a building reaches the border.
-void FreeSpace::keep_largest_space() {
-  struct Space {
-    std::vector<std::size_t> cells;
-    bool reaches_border;
-  };
+bool FreeSpace::is_enclosed(Point2 point) const {
+  constexpr int directions = 16;
+  constexpr double sight = 20.0;  // m
+  int seen = 0;
+  for (int i = 0; i < directions; ++i) {
+    seen += caster_.cast(point, (i + 0.5) * 2 * std::numbers::pi / directions, sight) < sight ? 1 : 0;
+  }
+  return 4 * seen >= 3 * directions;
+}
+
+std::vector<std::size_t> FreeSpace::connected_cells(std::size_t first, std::vector<std::uint8_t>& seen) const {
+  std::vector<std::size_t> cells{first};
+  seen[first] = 1;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const auto x = static_cast<std::int32_t>(cells[k] % static_cast<std::size_t>(columns_));
+    const auto y = static_cast<std::int32_t>(cells[k] / static_cast<std::size_t>(columns_));
+    for (const CellStep& step : cell_steps) {
+      if (x + step.right < 0 || x + step.right >= columns_ || y + step.up < 0 || y + step.up >= rows_) { continue; }
+      const std::size_t next = static_cast<std::size_t>(y + step.up) * static_cast<std::size_t>(columns_) +
+                               static_cast<std::size_t>(x + step.right);
+      if (inside_[next] == 0 || seen[next] != 0) { continue; }
+      seen[next] = 1;
+      cells.push_back(next);
+    }
+  }
+  return cells;
+}
+
+/// How many cells of a coarse raster are enclosed.
+std::size_t FreeSpace::enclosed_cells(const std::vector<std::size_t>& cells) const {
+  const auto raster = std::max<std::size_t>(1, static_cast<std::size_t>(0.5 / cell_size_));
+  const auto columns = static_cast<std::size_t>(columns_);
+  return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), [&](std::size_t cell) {
+    return cell % columns % raster == 0 && cell / columns % raster == 0 && is_enclosed(center_of(cell));
+  }));
+}
+
+/// Of all connected spaces keeps that with the most enclosed cells; among equals the largest.
+void FreeSpace::keep_one_space() {
+  std::pair<std::size_t, std::size_t> most{0, 0};
   std::vector<std::size_t> best;
-  bool best_reaches_border = true;
   std::vector<std::uint8_t> seen(inside_.size(), 0);
   for (std::size_t first = 0; first < inside_.size(); ++first) {
     if (inside_[first] == 0 || seen[first] != 0) { continue; }
-    Space space{{first}, false};
-    seen[first] = 1;
-    for (std::size_t k = 0; k < space.cells.size(); ++k) {
-      const auto x = static_cast<std::int32_t>(space.cells[k] % static_cast<std::size_t>(columns_));
-      const auto y = static_cast<std::int32_t>(space.cells[k] / static_cast<std::size_t>(columns_));
-      if (x == 0 || y == 0 || x + 1 == columns_ || y + 1 == rows_) {
-        space.reaches_border = true;
-        continue;
-      }
-      for (const Neighbour& step : neighbours) {
-        const auto next = static_cast<std::size_t>(y + step.up) * static_cast<std::size_t>(columns_) +
-                          static_cast<std::size_t>(x + step.right);
-        if (inside_[next] == 0 || seen[next] != 0) { continue; }
-        seen[next] = 1;
-        space.cells.push_back(next);
-      }
-    }
-    const bool better =
-        best_reaches_border == space.reaches_border ? space.cells.size() > best.size() : best_reaches_border;
-    if (better) {
-      best = std::move(space.cells);
-      best_reaches_border = space.reaches_border;
-    }
+    std::vector<std::size_t> cells = connected_cells(first, seen);
+    const std::pair<std::size_t, std::size_t> score{enclosed_cells(cells), cells.size()};
+    if (score <= most) { continue; }
+    most = score;
+    best = std::move(cells);
   }
   std::fill(inside_.begin(), inside_.end(), std::uint8_t{0});
   for (const std::size_t cell : best) { inside_[cell] = 1; }
@@ -273,100 +274,10 @@ std::vector<Point2> FreeSpace::spread(double spacing, std::uint64_t seed) const 
     buckets[bucket].push_back(point);
     points.push_back(point);
   }
-  return points;
-}
-
-PathSearch::PathSearch(const FreeSpace& space)
-    : space_(space),
-      seen_in_(space.inside_.size(), 0),
-      cost_(space.inside_.size()),
-      from_(space.inside_.size()),
-      goal_at_(space.inside_.size(), -1) {}
-
-/// A*: the goal's cell, or −1. Ties go to the lower cell number, so that the way is always the same.
-template <class IsGoal, class Estimate>
-std::int64_t PathSearch::search(std::size_t start, const IsGoal& is_goal, const Estimate& estimate) {
-  struct Open {
-    float bound;
-    float cost;
-    std::size_t cell;
-    bool operator<(const Open& other) const { return bound != other.bound ? bound > other.bound : cell > other.cell; }
-  };
-  ++round_;
-  std::priority_queue<Open> open;
-  seen_in_[start] = round_;
-  cost_[start] = 0;
-  open.push({estimate(start), 0, start});
-  const auto columns = static_cast<std::int32_t>(space_.columns_);
-  while (!open.empty()) {
-    const Open current = open.top();
-    open.pop();
-    if (current.cost > cost_[current.cell]) { continue; }  // a better way was found meanwhile
-    if (is_goal(current.cell)) { return static_cast<std::int64_t>(current.cell); }
-    for (std::size_t k = 0; k < neighbours.size(); ++k) {
-      const auto x = static_cast<std::int32_t>(current.cell % static_cast<std::size_t>(columns)) + neighbours[k].right;
-      const auto y = static_cast<std::int32_t>(current.cell / static_cast<std::size_t>(columns)) + neighbours[k].up;
-      if (x < 0 || x >= columns || y < 0 || y >= space_.rows_) { continue; }
-      const std::size_t next =
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x);
-      if (space_.inside_[next] == 0) { continue; }
-      const double crowding = std::max(0.0, 1 - space_.distance_[next] / comfort);
-      const float cost = current.cost + neighbours[k].length * static_cast<float>(1 + crowding_cost * crowding);
-      if (seen_in_[next] == round_ && cost_[next] <= cost) { continue; }
-      seen_in_[next] = round_;
-      cost_[next] = cost;
-      from_[next] = static_cast<std::uint8_t>(k);
-      open.push({cost + estimate(next), cost, next});
-    }
-  }
-  return -1;
-}
-
-std::vector<Point2> PathSearch::trace_back(std::size_t start, std::size_t goal) const {
-  std::vector<Point2> points{space_.center_of(goal)};
-  for (std::size_t cell = goal; cell != start;) {
-    const Neighbour& step = neighbours[from_[cell]];
-    cell = static_cast<std::size_t>(static_cast<std::int64_t>(cell) - step.right -
-                                    static_cast<std::int64_t>(step.up) * space_.columns_);
-    points.push_back(space_.center_of(cell));
-  }
-  std::reverse(points.begin(), points.end());
-  return points;
-}
-
-std::vector<Point2> PathSearch::path(Point2 start, Point2 goal) {
-  const std::int64_t start_cell = space_.cell_of(start);
-  const std::int64_t goal_cell = space_.cell_of(goal);
-  if (start_cell < 0 || goal_cell < 0) { return {}; }
-  const Point2 aim = space_.center_of(static_cast<std::size_t>(goal_cell));
-  const std::int64_t found = search(
-      static_cast<std::size_t>(start_cell),
-      [&](std::size_t cell) { return static_cast<std::int64_t>(cell) == goal_cell; },
-      [&](std::size_t cell) { return static_cast<float>(norm(space_.center_of(cell) - aim) / space_.cell_size_); });
-  if (found < 0) { return {}; }
-  return trace_back(static_cast<std::size_t>(start_cell), static_cast<std::size_t>(found));
-}
-
-PathSearch::Found PathSearch::path_to_nearest(Point2 start, std::span<const Point2> goals) {
-  const std::int64_t start_cell = space_.cell_of(start);
-  if (start_cell < 0) { return {}; }
-  std::vector<std::size_t> marked;
-  for (std::size_t i = goals.size(); i-- > 0;) {  // the first of several in a cell stays
-    const std::int64_t cell = space_.cell_of(goals[i]);
-    if (cell < 0) { continue; }
-    goal_at_[static_cast<std::size_t>(cell)] = static_cast<std::int64_t>(i);
-    marked.push_back(static_cast<std::size_t>(cell));
-  }
-  const std::int64_t found = search(
-      static_cast<std::size_t>(start_cell), [&](std::size_t cell) { return goal_at_[cell] >= 0; },
-      [](std::size_t) { return 0.0F; });
-  Found result;
-  if (found >= 0) {
-    result.goal = static_cast<std::size_t>(goal_at_[static_cast<std::size_t>(found)]);
-    result.path = trace_back(static_cast<std::size_t>(start_cell), static_cast<std::size_t>(found));
-  }
-  for (const std::size_t cell : marked) { goal_at_[cell] = -1; }
-  return result;
+  std::vector<Point2> enclosed;
+  std::copy_if(points.begin(), points.end(), std::back_inserter(enclosed),
+               [&](Point2 point) { return is_enclosed(point); });
+  return 5 * enclosed.size() < points.size() ? points : enclosed;
 }
 
 }  // namespace flirt

@@ -2,6 +2,7 @@
 
 #include "flirt/core/rng.hpp"
 #include "flirt/sim/drive.hpp"
+#include "flirt/sim/path_search.hpp"
 
 #include <algorithm>
 #include <cmath>

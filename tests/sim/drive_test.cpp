@@ -118,7 +118,7 @@ TEST(Drive, SecondRoundIsNearTheFirstButNotTheSameAndPartlyOpposite) {
 
 TEST(Drive, EndsARoundAfterItsLength) {
   const Drive drive = driven_office(900, {.rounds = 1, .round_length = 30}).drive;
-  EXPECT_NEAR(length(drive), 30, 3);
+  EXPECT_NEAR(length(drive), 30, 0.5);
 }
 
 TEST(Drive, EqualSeedsDriveAlikeAndOthersDoNot) {

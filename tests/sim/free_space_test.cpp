@@ -17,7 +17,7 @@ FloorPlan closed_room(double width, double height) {
           {}};
 }
 
-TEST(FreeSpace, ClearanceIsALowerBoundWithinTwoCells) {
+TEST(FreeSpace, ClearanceIsALowerBoundWithinThreeCells) {
   const FloorPlan plan = make_office({.area = 800}).plan;
   const FreeSpace space(plan, 0.25);
   const Rectangle box = bounds(plan);
@@ -81,44 +81,6 @@ TEST(FreeSpace, NearestPointIsInTheSpace) {
   EXPECT_TRUE(space.contains(snapped[0]));
   EXPECT_NEAR(norm(snapped[0] - Point2{0.2, 3}), 0.35, 0.1);
   EXPECT_TRUE(space.nearest({-5, 3}, 1).empty());
-}
-
-TEST(PathSearch, GoesAroundAWall) {
-  FloorPlan plan = closed_room(8, 6);
-  plan.segments.push_back({{4, 0}, {4, 4.5}});
-  const FreeSpace space(plan, 0.3);
-  PathSearch search(space);
-  const std::vector<Point2> way = search.path({2, 1}, {6, 1});
-  ASSERT_FALSE(way.empty());
-  EXPECT_LE(norm(way.front() - Point2{2, 1}), space.cell_size());
-  EXPECT_LE(norm(way.back() - Point2{6, 1}), space.cell_size());
-  double length = 0;
-  for (std::size_t i = 1; i < way.size(); ++i) {
-    EXPECT_GE(distance_to_surface(plan, 0.5 * (way[i] + way[i - 1])), 0.3);
-    length += norm(way[i] - way[i - 1]);
-  }
-  EXPECT_GE(length, 2 * std::hypot(2, 3.8));
-  EXPECT_LE(length, 1.3 * 2 * std::hypot(2, 3.8));
-}
-
-TEST(PathSearch, FindsTheNearestGoalByWayNotByAir) {
-  FloorPlan plan = closed_room(8, 6);
-  plan.segments.push_back({{4, 0}, {4, 4.5}});
-  const FreeSpace space(plan, 0.3);
-  PathSearch search(space);
-  const std::vector<Point2> goals{{4.6, 1}, {1, 4}};  // the first is near, but behind the wall
-  const PathSearch::Found found = search.path_to_nearest({3.4, 1}, goals);
-  EXPECT_EQ(found.goal, 1U);
-  EXPECT_FALSE(found.path.empty());
-  EXPECT_TRUE(search.path_to_nearest({3.4, 1}, {}).path.empty());
-}
-
-TEST(PathSearch, HasNoWayIntoAClosedRoom) {
-  FloorPlan plan = closed_room(8, 6);
-  plan.segments.push_back({{5, 0}, {5, 6}});
-  const FreeSpace space(plan, 0.3);
-  PathSearch search(space);
-  EXPECT_TRUE(search.path({2, 3}, {6.5, 3}).empty());
 }
 
 }  // namespace

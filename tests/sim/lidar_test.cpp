@@ -160,7 +160,7 @@ TEST(Lidar, MovingDiscsHideWhatIsBehind) {
       params.beam_order = order;
       const Pose2 map_from_sensor{0.3, -0.2, heading};
       const FloorPlan walls{{{{5, -5}, {5, 5}}, {{-5, -5}, {-5, 5}}, {{-5, 5}, {5, 5}}, {{-5, -5}, {5, -5}}}, {}, {}};
-      const std::vector<PlanDisc> moving{{{2, 0.1}, 0.3}, {{-3, 1}, 0.2}, {{9, 0}, 0.5}};
+      const std::vector<PlanDisc> moving{{{2, 0.13}, 0.3}, {{-3, 1}, 0.2}, {{9, 0}, 0.5}};
       FloorPlan all = walls;
       all.discs = moving;
       const std::vector<double> as_moving = measure(params, walls, map_from_sensor, moving);
