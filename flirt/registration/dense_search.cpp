@@ -24,7 +24,10 @@ namespace flirt {
 inline constexpr std::size_t block_columns = CoarseField::block_width;
 inline constexpr std::size_t block_rows = CoarseField::block_height;
 
-/// Sums of up to `largest` in one byte each.
+inline constexpr std::size_t tile_columns = 4;
+inline constexpr std::size_t tiles_per_block = block_columns / tile_columns;
+
+/// Sums over the end points at each cell of a block.
 struct BlockSums {
   alignas(64) std::uint16_t sums[block_rows * block_columns];
 };
@@ -83,6 +86,44 @@ void sum_block(const std::uint8_t* corner, std::size_t stride, const std::int32_
   }
 }
 
+/// best[tile] = the largest of 16 · sum + 4 · row + column over the 4 × 4 cells of the tile in which one can stand.
+void best_in_tiles(const BlockSums& block, const std::uint8_t* standable, std::size_t standable_stride,
+                   std::uint16_t* best) {
+  const Words d;
+  const hn::Rebind<std::uint8_t, Words> d_bytes;
+  constexpr std::size_t lanes = hn::MaxLanes(d);
+  const auto column = hn::And(hn::Iota(d, 0), hn::Set(d, 3));
+  alignas(64) std::uint16_t keys[block_columns];
+  for (std::size_t first = 0; first < block_columns; first += lanes) {
+    auto largest = hn::Zero(d);
+    for (std::size_t row = 0; row < block_rows; ++row) {
+      const auto sum = hn::LoadU(d, block.sums + row * block_columns + first);
+      const auto in_tile = hn::Add(column, hn::Set(d, static_cast<std::uint16_t>(4 * row)));
+      const auto key =
+          hn::Or(hn::ShiftLeft<4>(sum),
+                 lanes < tile_columns ? hn::Add(in_tile, hn::Set(d, static_cast<std::uint16_t>(first & 3U))) : in_tile);
+      const auto allowed = hn::PromoteTo(d, hn::LoadU(d_bytes, standable + row * standable_stride + first));
+      largest = hn::Max(largest, hn::IfThenElseZero(hn::Ne(allowed, hn::Zero(d)), key));
+    }
+    hn::StoreU(largest, d, keys + first);
+  }
+  for (std::size_t tile = 0; tile < tiles_per_block; ++tile) {
+    const std::uint16_t* const four = keys + tile * tile_columns;
+    const std::uint16_t left = HWY_MAX(four[0], four[1]);
+    const std::uint16_t right = HWY_MAX(four[2], four[3]);
+    best[tile] = HWY_MAX(left, right);
+  }
+}
+
+/// Best places of one block; offsets are those of the rows to add.
+void search_block(const std::uint8_t* corner, std::size_t stride, const std::int32_t* offsets, std::size_t count,
+                  std::size_t per_byte, const std::uint8_t* standable, std::size_t standable_stride,
+                  std::uint16_t* best) {
+  BlockSums sums;
+  sum_block(corner, stride, offsets, count, per_byte, sums);
+  best_in_tiles(sums, standable, standable_stride, best);
+}
+
 }  // namespace
 }  // namespace flirt::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -91,32 +132,13 @@ HWY_AFTER_NAMESPACE();
 namespace flirt {
 namespace {
 
-HWY_EXPORT(sum_block);
+HWY_EXPORT(search_block);
 
-constexpr std::int32_t tile_side = 4;  // coarse cells
-constexpr std::size_t tiles_per_block = block_columns / tile_side;
-static_assert(block_rows == tile_side);
+constexpr std::int32_t tile_side = tile_columns;
+static_assert(block_rows == tile_columns);
 
 /// A block's best place in each tile: sum above 4 bits of (row, column) in the tile; 0 where nobody can stand.
 using TileKeys = std::array<std::uint16_t, tiles_per_block>;
-
-TileKeys best_in_tiles(const BlockSums& block, const CoarseField& coarse, CellIndex corner) {
-  TileKeys best{};
-  for (std::size_t row = 0; row < block_rows; ++row) {
-    const std::uint8_t* const standable = &coarse.standable.at(corner.x, corner.y + static_cast<std::int32_t>(row));
-    const std::uint16_t* const sums = block.sums + row * block_columns;
-    std::uint16_t keys[block_columns];
-    for (std::size_t column = 0; column < block_columns; ++column) {
-      const auto key = static_cast<unsigned>(sums[column]) << 4U | row << 2U | (column & 3U);
-      keys[column] = static_cast<std::uint16_t>(standable[column] != 0 ? key : 0U);
-    }
-    for (std::size_t tile = 0; tile < tiles_per_block; ++tile) {
-      const std::uint16_t* const four = keys + tile * tile_side;
-      best[tile] = std::max({best[tile], four[0], four[1], four[2], four[3]});
-    }
-  }
-  return best;
-}
 
 /// End points turned to one heading, as steps in coarse cells.
 struct Steps {
@@ -164,16 +186,16 @@ void search_heading(const CoarseField& coarse, const Steps& steps, std::vector<T
   std::vector<std::int32_t> inside(steps.cells.size());
   for (std::size_t k = 0; k < inside.size(); ++k) { inside[k] = steps.cells[k].y * stride + steps.cells[k].x; }
   std::vector<std::int32_t> clamped;
-  BlockSums sums{};
   keys.resize(coarse.blocks.size());
   for (std::size_t block = 0; block < coarse.blocks.size(); ++block) {
     const CellIndex corner = coarse.blocks[block];
     const bool all_inside = stays_inside(steps, coarse, corner);
     if (!all_inside) { offsets_of(steps, coarse, corner, clamped); }
     const std::int32_t* const offsets = all_inside ? inside.data() : clamped.data();
-    HWY_DYNAMIC_DISPATCH(sum_block)(&coarse.values.at(corner.x + CoarseField::pad_x, corner.y + CoarseField::pad_y),
-                                    static_cast<std::size_t>(stride), offsets, inside.size(), per_byte, sums);
-    keys[block] = best_in_tiles(sums, coarse, corner);
+    HWY_DYNAMIC_DISPATCH(search_block)
+    (&coarse.values.at(corner.x + CoarseField::pad_x, corner.y + CoarseField::pad_y), static_cast<std::size_t>(stride),
+     offsets, inside.size(), per_byte, &coarse.standable.at(corner.x, corner.y),
+     static_cast<std::size_t>(coarse.standable.width), keys[block].data());
   }
 }
 

@@ -69,7 +69,7 @@ bool EvidenceScorer::crosses_solid(float from_x, float from_y, float direction_x
       continue;
     }
     const std::uint8_t clear = clearance.at(x, y);
-    if (clear == 255) { return true; }
+    if (clear == MapFields::solid) { return true; }
     t += std::max(0.7F, static_cast<float>(clear));
   }
   return false;

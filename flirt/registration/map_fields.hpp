@@ -86,10 +86,12 @@ struct Agreement {
 
 /// All that finding a scan in a map needs of the map; made once, then only read, by any number of threads.
 struct MapFields {
+  static constexpr std::uint8_t solid = 255;  ///< `clearance` of a solid cell
+
   Point2 origin;                   ///< m, lower corner of the box in the map frame
   double cell_size{0.05};          ///< m
   Raster<std::uint8_t> agreement;  ///< see Agreement
-  Raster<std::uint8_t> clearance;  ///< cells that a ray may go without meeting anything solid; 255: solid
+  Raster<std::uint8_t> clearance;  ///< cells that a ray may go without meeting anything solid
   Raster<std::uint32_t> line;      ///< index into `lines` of the nearest occupied cell + 1; 0: none
   std::vector<LinePiece> lines;
   CoarseField coarse;

@@ -7,13 +7,19 @@ namespace flirt {
 
 std::vector<ScoredPose> judge(const MapFields& fields, const ScanPoints& points, std::span<const Pose2> map_from_sensor,
                               const SearchParams& params) {
+  constexpr double same_distance = 0.02;
+  const double same_heading = radians_from_degrees(0.2);
   const EvidenceScorer scorer(fields, params.score);
   std::vector<ScoredPose> poses;
-  poses.reserve(map_from_sensor.size());
   for (const Pose2& start : map_from_sensor) {
     const RefinedPose refined = refine(fields, points, start, params.refine);
-    poses.push_back(
-        {refined.map_from_sensor, scorer.score(points, refined.map_from_sensor), refined.covariance, refined.support});
+    const Pose2& pose = refined.map_from_sensor;
+    const bool known = std::ranges::any_of(poses, [&](const ScoredPose& other) {
+      return distance(pose, other.map_from_sensor) < same_distance &&
+             heading_difference(pose, other.map_from_sensor) < same_heading;
+    });
+    if (known) { continue; }
+    poses.push_back({pose, scorer.score(points, pose), refined.covariance, refined.support});
   }
   return poses;
 }
@@ -34,6 +40,7 @@ std::vector<ScoredPose> distinct(std::vector<ScoredPose> poses, const SearchPara
 std::vector<Pose2> ranked_candidates(const MapFields& fields, const ScanPoints& points, const SearchParams& params) {
   const std::vector<CoarsePose> coarse = dense_search(fields, points, params.dense);
   const EvidenceScorer scorer(fields, params.score);
+  const std::size_t stride = (points.size() + params.ranking_rays - 1) / params.ranking_rays;
   struct Ranked {
     double value;
     std::size_t index;
@@ -48,7 +55,7 @@ std::vector<Pose2> ranked_candidates(const MapFields& fields, const ScanPoints& 
     const bool full = best.size() == params.refined;
     if (full && coarse[i].value <= best.front().value) { break; }
     const double most_through = full ? (coarse[i].value - best.front().value) / params.ray_weight : 1.0;
-    const double through = scorer.through(points, coarse[i].map_from_sensor, params.ray_stride, most_through);
+    const double through = scorer.through(points, coarse[i].map_from_sensor, stride, most_through);
     const Ranked ranked{coarse[i].value - params.ray_weight * through, i};
     if (full && !better(ranked, best.front())) { continue; }
     if (full) {

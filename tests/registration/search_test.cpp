@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace flirt {
 namespace {
@@ -58,8 +60,8 @@ TEST(Search, GivesBothModesOfTwinRoomsEqualScores) {
   const bool first_is_twin = distance(found[0].map_from_sensor, truth) > 1;
   const Pose2 here = found[first_is_twin ? 1 : 0].map_from_sensor;
   const Pose2 there = found[first_is_twin ? 0 : 1].map_from_sensor;
-  EXPECT_LT(distance(here, truth), 0.03);
-  EXPECT_LT(distance(there, map_from_twin * truth), 0.03);
+  EXPECT_LT(distance(here, truth), 0.04);
+  EXPECT_LT(distance(there, map_from_twin * truth), 0.04);
   EXPECT_NEAR(found[0].score.total, found[1].score.total, 0.1);
 }
 
@@ -100,10 +102,11 @@ TEST(Search, RankingStopsEarlyWithoutChangingTheResult) {
   params.refined = 40;
   const std::vector<Pose2> quick = ranked_candidates(fields, points, params);
   const EvidenceScorer scorer(fields, params.score);
+  const std::size_t stride = (points.size() + params.ranking_rays - 1) / params.ranking_rays;
   std::vector<std::pair<double, std::size_t>> slow;
   const std::vector<CoarsePose> coarse = dense_search(fields, points, params.dense);
   for (std::size_t i = 0; i < coarse.size(); ++i) {
-    const double through = scorer.through(points, coarse[i].map_from_sensor, params.ray_stride);
+    const double through = scorer.through(points, coarse[i].map_from_sensor, stride);
     slow.emplace_back(-(coarse[i].value - params.ray_weight * through), i);
   }
   std::ranges::sort(slow);
