@@ -30,7 +30,8 @@ void mount_by_lines(const Gathered& gathered, std::vector<Scan>& scans) {
   Pose2 last;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     const ScanLine& line = gathered.scans[i];
-    const Pose2 robot_from_sensor = inverse(*line.second_pose) * *line.first_pose;
+    const bool is_centred = line.first_pose == line.second_pose;  // exactly, without rounding
+    const Pose2 robot_from_sensor = is_centred ? Pose2{} : inverse(*line.second_pose) * *line.first_pose;
     if (i == 0 || !is_near(robot_from_sensor, last, same_mounting)) { last = robot_from_sensor; }
     scans[i].robot_from_sensor = last;
   }

@@ -173,12 +173,12 @@ Result<ScanLine> parse_scan(std::string_view text, Layout layout) {
   return line;
 }
 
-Result<StampedPose> parse_odometry(std::string_view fields) {
-  return parse_pose_line(fields, "a velocity");
+Result<StampedPose> parse_odometry(std::string_view text) {
+  return parse_pose_line(text, "a velocity");
 }
 
-Result<StampedPose> parse_true_pose(std::string_view fields) {
-  return parse_pose_line(fields, "the odometry");
+Result<StampedPose> parse_true_pose(std::string_view text) {
+  return parse_pose_line(text, "the odometry");
 }
 
 Beams beams_without_angles(std::size_t n) {

@@ -30,17 +30,17 @@ struct ScanLine {
   double stamp{0};
   int stamp_digits{0};  ///< significant digits as written
 };
-/// `fields` is what follows the kind. Errors say what was expected and found, without a place.
-[[nodiscard]] Result<ScanLine> parse_scan(std::string_view fields, Layout layout);
+/// `text` is what follows the kind. Errors say what was expected and found, without a place.
+[[nodiscard]] Result<ScanLine> parse_scan(std::string_view text, Layout layout);
 
 struct StampedPose {
   double stamp{0};
   Pose2 pose{};
 };
 /// ODOM: x y theta translational_velocity rotational_velocity acceleration stamp host logger_stamp.
-[[nodiscard]] Result<StampedPose> parse_odometry(std::string_view fields);
+[[nodiscard]] Result<StampedPose> parse_odometry(std::string_view text);
 /// TRUEPOS: true x y theta, odometry x y theta, stamp host logger_stamp; the true pose.
-[[nodiscard]] Result<StampedPose> parse_true_pose(std::string_view fields);
+[[nodiscard]] Result<StampedPose> parse_true_pose(std::string_view text);
 
 /// Beams of a scan of n readings whose line does not tell the angles; the rule is in flirt/io/carmen.hpp.
 [[nodiscard]] Beams beams_without_angles(std::size_t n);

@@ -117,7 +117,8 @@ Result<void> write_mounting(std::string& text, const ScanLog& log) {
 }  // namespace
 
 Result<std::string> to_carmen(const ScanLog& log) {
-  FLIRT_ASSERT(log.map_from_robot.empty() || log.map_from_robot.size() == log.scans.size());
+  [[maybe_unused]] const std::size_t poses = log.map_from_robot.size();
+  FLIRT_ASSERT(poses == (poses == 0 ? 0 : log.scans.size()));
   std::string text(
       "# CARMEN log; ROBOTLASER1 type start fov step max accuracy remission_mode n ranges m remissions laser_pose "
       "robot_pose tv rv forward_safety side_safety turn_axis stamp host logger_stamp\n");

@@ -88,9 +88,11 @@ void flush_nothing(png_structp /*png*/) {}
 }  // namespace
 
 std::string encode_png(const GreyImage& image) {
-  FLIRT_ASSERT(image.width > 0 && image.height > 0 && image.pixels.size() == image.width * image.height);
+  FLIRT_ASSERT(!image.pixels.empty());
+  FLIRT_ASSERT(image.pixels.size() == image.width * image.height);
   std::string bytes;
   std::vector<png_const_bytep> rows;
+  rows.reserve(image.height);
   for (std::size_t row = 0; row < image.height; ++row) { rows.push_back(&image.pixels[row * image.width]); }
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, ignore_warning);
   png_infop info = png_create_info_struct(png);

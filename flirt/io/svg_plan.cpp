@@ -134,6 +134,7 @@ std::string draw_layer(const Polylines& layer, const View& view) {
   std::string data;
   for (const auto& line : layer.lines) {
     std::vector<Point2> pixels;
+    pixels.reserve(line.size());
     for (const Point2 point : line) { pixels.push_back(view.pixel(point)); }
     data += path_through(pixels, layer.outline);
   }

@@ -181,6 +181,11 @@ TEST(Carmen, KeepsTheLaserInPlaceUnderRoundedPoses) {
   EXPECT_NEAR(log.scans[0].robot_from_sensor.x, -0.04, 1e-5);
 }
 
+TEST(Carmen, PutsALaserAtTheRobotsPoseExactlyThere) {
+  const std::string pose = "576.536523 0.106594 -2.255213";
+  EXPECT_EQ(read_text(robotlaser("3 1 2 3", pose + ' ' + pose)).value().log.scans[0].robot_from_sensor, Pose2{});
+}
+
 TEST(Carmen, TakesTheFirstPoseOfFlaserForTheLasers) {
   const LoadedLog loaded =
       read_text("PARAM robot_frontlaser_offset -0.04 nohost 0\n" + flaser(180, "1 2 0 5 6 0.1")).value();
