@@ -101,11 +101,9 @@ void Ransac::prepare(const KeypointColumns& reference, std::span<const Match> ca
     candidates_.query_y[i] = query_.y[match.query];
     candidates_.reference_x[i] = reference.x[match.reference];
     candidates_.reference_y[i] = reference.y[match.reference];
-    if (pair_limits_.turn_cosine < -1.0F) { continue; }
-    const float turn = reference.theta[match.reference] - query_.theta[match.query];
-    candidates_.turn_cosine[i] = std::cos(turn);
-    candidates_.turn_sine[i] = std::sin(turn);
+    candidates_.turn[i] = reference.theta[match.reference] - query_.theta[match.query];
   }
+  if (pair_limits_.turn_cosine >= -1.0F) { fill_turns(candidates_); }
 }
 
 /// Pairs of candidates drawn at random; a pair that no rigid motion explains counts as a draw, as in the papers' count.
@@ -190,10 +188,14 @@ void Ransac::evaluate(const Pose2& reference_from_query, const KeypointColumns& 
   }
 
   const double limit{limit_};
+  const double cosine = std::cos(reference_from_query.theta);
+  const double sine = std::sin(reference_from_query.theta);
   double gain = 0.0;
   std::erase_if(support.inliers, [&](const IndexPair& pair) {
     const PointPair points{point(query_, pair.query), point(reference, pair.reference)};
-    const double squared = squared_norm(points.reference - reference_from_query * points.query);
+    const Point2 moved{reference_from_query.x + cosine * points.query.x - sine * points.query.y,
+                       reference_from_query.y + sine * points.query.x + cosine * points.query.y};
+    const double squared = squared_norm(points.reference - moved);
     if (!(squared < limit)) { return true; }
     gain += limit - squared;
     support.points.push_back(points);

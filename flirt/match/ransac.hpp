@@ -48,8 +48,7 @@ struct RansacParams {
   double success_probability{0.95};  ///< chance of drawing one pair of right candidates; random sampling only
   Sampling sampling{Sampling::exhaustive};  ///< how pairs of candidates are chosen as hypotheses
   std::uint32_t max_samples{5000};          ///< pairs looked at, at most; exhaustive sampling only
-  double max_turn_difference{
-      std::numbers::pi};  ///< rad, between the turn of a sample and that of its keypoints; π: any
+  double max_turn_difference{0.8};          ///< rad, between the turn of a sample and that of its keypoints; π: any
   InlierRule inlier_rule{InlierRule::nearest_point};  ///< what supports a hypothesis
   std::uint32_t min_inliers{3};                       ///< fewer are no alignment (P1: 3 for places, 6 for SLAM)
   double keypoint_deviation{0.05};  ///< m, per coordinate, for the covariance; 0: from the inliers' residuals

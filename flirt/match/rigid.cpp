@@ -17,8 +17,10 @@ Point2 turned_left(Point2 v) {
 struct Moments {
   Point2 query_mean{};
   Point2 reference_mean{};
-  double dot_sum{0};    ///< m², Σ q'·r' = length · cos θ
-  double cross_sum{0};  ///< m², Σ q'×r' = length · sin θ
+  double dot_sum{0};            ///< m², Σ q'·r' = length · cos θ
+  double cross_sum{0};          ///< m², Σ q'×r' = length · sin θ
+  double query_squares{0};      ///< m², Σ |q'|²
+  double reference_squares{0};  ///< m², Σ |r'|²
 };
 
 Moments moments_of(std::span<const PointPair> pairs) {
@@ -29,19 +31,14 @@ Moments moments_of(std::span<const PointPair> pairs) {
     moments.reference_mean = moments.reference_mean + share * pair.reference;
   }
   for (const PointPair& pair : pairs) {
-    moments.dot_sum += dot(pair.query - moments.query_mean, pair.reference - moments.reference_mean);
-    moments.cross_sum += cross(pair.query - moments.query_mean, pair.reference - moments.reference_mean);
+    const Point2 query = pair.query - moments.query_mean;
+    const Point2 reference = pair.reference - moments.reference_mean;
+    moments.dot_sum += dot(query, reference);
+    moments.cross_sum += cross(query, reference);
+    moments.query_squares += squared_norm(query);
+    moments.reference_squares += squared_norm(reference);
   }
   return moments;
-}
-
-/// Σ |q'| |r'|: the length that dot_sum and cross_sum would have if the two shapes were the same.
-double shape_size(std::span<const PointPair> pairs, const Moments& moments) {
-  double sum = 0.0;
-  for (const PointPair& pair : pairs) {
-    sum += norm(pair.query - moments.query_mean) * norm(pair.reference - moments.reference_mean);
-  }
-  return sum;
 }
 
 }  // namespace
@@ -52,7 +49,7 @@ std::optional<Pose2> fit_rigid(std::span<const PointPair> pairs) {
   const double length = std::hypot(moments.dot_sum, moments.cross_sum);
   constexpr double smallest_size = 1e-18;   // m²: points within a nanometre of each other have no direction
   constexpr double smallest_share = 1e-12;  // below it, rounding decides the rotation
-  const double size = shape_size(pairs, moments);
+  const double size = std::sqrt(moments.query_squares * moments.reference_squares);  // length ≤ size (Cauchy, Schwarz)
   if (!(size > smallest_size && length > smallest_share * size) || !std::isfinite(length)) { return std::nullopt; }
   const double theta = wrap_angle(std::atan2(moments.cross_sum, moments.dot_sum));
   const Point2 translation = moments.reference_mean - Pose2{0.0, 0.0, theta} * moments.query_mean;

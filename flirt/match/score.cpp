@@ -12,6 +12,7 @@
 #define HWY_TARGET_INCLUDE "flirt/match/score.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "hwy/contrib/math/math-inl.h"
 #include "flirt/match/lanes-inl.hpp"
 // clang-format on
 
@@ -75,17 +76,32 @@ void nearest_points(const Motion& motion, const ScoredPoints& query, const Keypo
   const hn::RebindToUnsigned<Floats> du;
   for (std::size_t first = 0; first < query.count; first += 16) {
     const MovedGroup moved = move_group(motion, query.x.data() + first, query.y.data() + first);
+    FloatVector smallest[parts];
+    hn::Vec<decltype(du)> index[parts];
     for (std::size_t part = 0; part < parts; ++part) {
-      auto smallest = hn::Set(d, 3e38F);
-      auto index = hn::Zero(du);
-      for (std::uint32_t j = 0; j < reference.size(); ++j) {
-        const auto squared = squared_distance(moved, part, hn::Set(d, reference.x[j]), hn::Set(d, reference.y[j]));
-        const auto smaller = hn::Lt(squared, smallest);
-        smallest = hn::IfThenElse(smaller, squared, smallest);
-        index = hn::IfThenElse(hn::RebindMask(du, smaller), hn::Set(du, j), index);
-      }
-      hn::StoreU(index, du, nearest + first + part * lanes);
+      smallest[part] = hn::Set(d, 3e38F);
+      index[part] = hn::Zero(du);
     }
+    for (std::uint32_t j = 0; j < reference.size(); ++j) {
+      const auto x = hn::Set(d, reference.x[j]);
+      const auto y = hn::Set(d, reference.y[j]);
+      for (std::size_t part = 0; part < parts; ++part) {
+        const auto squared = squared_distance(moved, part, x, y);
+        const auto smaller = hn::Lt(squared, smallest[part]);
+        smallest[part] = hn::IfThenElse(smaller, squared, smallest[part]);
+        index[part] = hn::IfThenElse(hn::RebindMask(du, smaller), hn::Set(du, j), index[part]);
+      }
+    }
+    for (std::size_t part = 0; part < parts; ++part) { hn::StoreU(index[part], du, nearest + first + part * lanes); }
+  }
+}
+
+void fill_turns(CandidateColumns& c) {
+  const Floats d;
+  for (std::size_t first = 0; first < c.count; first += lanes) {
+    const auto turn = hn::LoadU(d, c.turn.data() + first);
+    hn::StoreU(hn::Cos(d, turn), d, c.turn_cosine.data() + first);
+    hn::StoreU(hn::Sin(d, turn), d, c.turn_sine.data() + first);
   }
 }
 
@@ -144,6 +160,7 @@ namespace {
 HWY_EXPORT(truncated_cost);
 HWY_EXPORT(nearest_points);
 HWY_EXPORT(rigid_partners);
+HWY_EXPORT(fill_turns);
 
 std::size_t padded(std::size_t count) {
   return (count + 15) / 16 * 16;
@@ -200,9 +217,13 @@ void nearest_points(const Motion& reference_from_query, const ScoredPoints& quer
 
 void CandidateColumns::resize(std::size_t candidates) {
   count = candidates;
-  for (std::vector<float>* column : {&query_x, &query_y, &reference_x, &reference_y, &turn_cosine, &turn_sine}) {
+  for (std::vector<float>* column : {&query_x, &query_y, &reference_x, &reference_y, &turn, &turn_cosine, &turn_sine}) {
     column->resize(std::max(column->size(), padded(candidates)), 0.0F);
   }
+}
+
+void fill_turns(CandidateColumns& candidates) {
+  HWY_DYNAMIC_DISPATCH(fill_turns)(candidates);
 }
 
 std::size_t rigid_partners(const CandidateColumns& candidates, std::size_t j, const PairLimits& limits,

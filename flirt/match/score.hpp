@@ -45,11 +45,15 @@ void nearest_points(const Motion& reference_from_query, const ScoredPoints& quer
 struct CandidateColumns {
   std::vector<float> query_x, query_y;          ///< m, query frame
   std::vector<float> reference_x, reference_y;  ///< m, reference frame
-  std::vector<float> turn_cosine, turn_sine;    ///< of (direction in the reference − direction in the query)
+  std::vector<float> turn;  ///< rad, of the keypoint's direction from query to reference, in (−2π, 2π)
+  std::vector<float> turn_cosine, turn_sine;  ///< see fill_turns
   std::size_t count{0};
 
   void resize(std::size_t candidates);
 };
+
+/// Sets turn_cosine and turn_sine from turn.
+void fill_turns(CandidateColumns& candidates);
 
 /// When two candidates may be two points of one rigid body.
 struct PairLimits {

@@ -1,0 +1,186 @@
+#include "flirt/match/score.hpp"
+
+#include "tests/match/random_features.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace flirt {
+namespace {
+
+KeypointTable random_table(Rng& rng, std::size_t count) {
+  std::vector<Keypoint> keypoints;
+  for (std::size_t i = 0; i < count; ++i) {
+    keypoints.push_back({.sensor_from_keypoint = test::random_pose(rng, 3.0)});
+  }
+  return table_of(keypoints);
+}
+
+double slow_cost(const Pose2& reference_from_query, const KeypointTable& query, const KeypointTable& reference,
+                 double limit) {
+  double cost = 0.0;
+  for (std::size_t i = 0; i < query.x.size(); ++i) {
+    double smallest = limit;
+    for (std::size_t j = 0; j < reference.x.size(); ++j) {
+      const Point2 moved = reference_from_query * Point2{query.x[i], query.y[i]};
+      smallest = std::min(smallest, squared_norm(moved - Point2{reference.x[j], reference.y[j]}));
+    }
+    cost += smallest;
+  }
+  return cost;
+}
+
+constexpr float no_limit = std::numeric_limits<float>::infinity();
+
+TEST(TruncatedCost, AgreesWithPlainLoopsForAnyCount) {
+  Rng rng(1);
+  for (const std::size_t queries : {1U, 7U, 16U, 17U, 33U}) {
+    for (const std::size_t references : {0U, 1U, 5U, 40U}) {
+      const KeypointTable query = random_table(rng, queries);
+      const KeypointTable reference = random_table(rng, references);
+      const Pose2 pose = test::random_pose(rng, 2.0);
+      ScoredPoints points;
+      points.assign(query.columns());
+      EXPECT_NEAR(truncated_cost(motion_of(pose), points, reference.columns(), 0.5F, no_limit),
+                  slow_cost(pose, query, reference, 0.5), 1e-4);
+    }
+  }
+}
+
+TEST(TruncatedCost, GivesUpOnlyAboveTheGivenCost) {
+  Rng rng(2);
+  const KeypointTable query = random_table(rng, 40);
+  const KeypointTable reference = random_table(rng, 10);
+  ScoredPoints points;
+  points.assign(query.columns());
+  const float full = truncated_cost({}, points, reference.columns(), 0.5F, no_limit);
+  EXPECT_EQ(truncated_cost({}, points, reference.columns(), 0.5F, full), full);
+  const float half = truncated_cost({}, points, reference.columns(), 0.5F, 0.5F * full);
+  EXPECT_GT(half, 0.5F * full);
+  EXPECT_LE(half, full);
+}
+
+TEST(NearestPoints, AgreesWithPlainLoopsAndTakesTheFirstOfEqualOnes) {
+  Rng rng(3);
+  const KeypointTable query = random_table(rng, 37);
+  KeypointTable reference = random_table(rng, 20);
+  for (std::size_t j = 0; j < 20; ++j) {  // every reference point twice
+    reference.x.push_back(reference.x[j]);
+    reference.y.push_back(reference.y[j]);
+    reference.theta.push_back(0.0F);
+  }
+  ScoredPoints points;
+  points.assign(query.columns());
+  std::vector<std::uint32_t> nearest(48);
+  nearest_points({}, points, reference.columns(), nearest);
+  for (std::size_t i = 0; i < 37; ++i) {
+    std::uint32_t expected = 0;
+    const auto squared = [&](std::size_t j) {
+      return std::pow(query.x[i] - reference.x[j], 2.0F) + std::pow(query.y[i] - reference.y[j], 2.0F);
+    };
+    for (std::uint32_t j = 1; j < 40; ++j) {
+      if (squared(j) < squared(expected)) { expected = j; }
+    }
+    EXPECT_EQ(nearest[i], expected);
+    EXPECT_LT(nearest[i], 20U);
+  }
+}
+
+CandidateColumns random_candidates(Rng& rng, std::size_t count) {
+  CandidateColumns candidates;
+  candidates.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (auto* column : {&candidates.query_x, &candidates.query_y, &candidates.reference_x, &candidates.reference_y}) {
+      (*column)[i] = static_cast<float>(rng.uniform(-2.0, 2.0));
+    }
+    candidates.turn[i] = static_cast<float>(rng.uniform(-6.2, 6.2));
+  }
+  fill_turns(candidates);
+  return candidates;
+}
+
+TEST(FillTurns, IsCosineAndSine) {
+  Rng rng(4);
+  const CandidateColumns candidates = random_candidates(rng, 45);
+  for (std::size_t i = 0; i < 45; ++i) {
+    EXPECT_NEAR(candidates.turn_cosine[i], std::cos(candidates.turn[i]), 1e-6);
+    EXPECT_NEAR(candidates.turn_sine[i], std::sin(candidates.turn[i]), 1e-6);
+  }
+}
+
+/// The papers' quantities with angles and lengths.
+bool may_be_rigid(const CandidateColumns& c, std::size_t i, std::size_t j, const PairLimits& limits) {
+  const Point2 query{c.query_x[j] - c.query_x[i], c.query_y[j] - c.query_y[i]};
+  const Point2 reference{c.reference_x[j] - c.reference_x[i], c.reference_y[j] - c.reference_y[i]};
+  const double sum = squared_norm(query) + squared_norm(reference);
+  const double change = squared_norm(query) - squared_norm(reference);
+  const double turn = std::atan2(reference.y, reference.x) - std::atan2(query.y, query.x);
+  const auto agrees = [&](std::size_t k) { return std::cos(turn - c.turn[k]) >= limits.turn_cosine; };
+  return change * change / (8.0 * sum) <= limits.length_change && agrees(i) && agrees(j);
+}
+
+TEST(RigidPartners, AreThoseThatKeepLengthAndTurn) {
+  Rng rng(5);
+  int partners = 0;
+  for (const std::size_t count : {2U, 9U, 16U, 50U}) {
+    const CandidateColumns candidates = random_candidates(rng, count);
+    for (const PairLimits limits : {PairLimits{0.0384F, 1e-6F, -2.0F}, PairLimits{0.1F, 1e-6F, 0.3F}}) {
+      for (std::size_t j = 0; j < count; ++j) {
+        std::vector<std::uint32_t> found((count + 15) / 16 * 16);
+        found.resize(rigid_partners(candidates, j, limits, found));
+        partners += static_cast<int>(found.size());
+        for (std::uint32_t i = 0; i < j; ++i) {
+          const bool listed = std::ranges::find(found, i) != found.end();
+          EXPECT_EQ(listed, may_be_rigid(candidates, i, j, limits));
+          EXPECT_EQ(listed, is_rigid_pair(candidates, i, j, limits));
+        }
+        EXPECT_TRUE(std::ranges::is_sorted(found));
+      }
+    }
+  }
+  EXPECT_GT(partners, 20);
+}
+
+TEST(RigidPartners, LeaveOutSegmentsWithoutDirection) {
+  CandidateColumns candidates;
+  candidates.resize(2);
+  candidates.query_x[1] = 0.5e-3F;
+  candidates.reference_x[1] = 0.5e-3F;
+  std::vector<std::uint32_t> found(16);
+  EXPECT_EQ(rigid_partners(candidates, 1, {0.04F, 1e-6F, -2.0F}, found), 0U);
+  EXPECT_EQ(rigid_partners(candidates, 1, {0.04F, 1e-8F, -2.0F}, found), 1U);
+}
+
+TEST(MotionOfSegment, MapsMiddleAndDirection) {
+  Rng rng(6);
+  const CandidateColumns c = random_candidates(rng, 2);
+  const Pose2 pose = pose_of(motion_of_segment(c, 0, 1));
+  const Point2 first = pose * Point2{c.query_x[0], c.query_y[0]};
+  const Point2 second = pose * Point2{c.query_x[1], c.query_y[1]};
+  EXPECT_NEAR(first.x + second.x, c.reference_x[0] + c.reference_x[1], 1e-5);
+  EXPECT_NEAR(first.y + second.y, c.reference_y[0] + c.reference_y[1], 1e-5);
+  const Point2 segment{c.reference_x[1] - c.reference_x[0], c.reference_y[1] - c.reference_y[0]};
+  EXPECT_NEAR(cross(second - first, segment), 0.0, 1e-4);
+  EXPECT_GT(dot(second - first, segment), 0.0);
+}
+
+TEST(TableOf, PutsKeypointsThatAreNotUsableOutOfSight) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<Keypoint> keypoints{{.sensor_from_keypoint = {1, 2, 3}},
+                                        {.sensor_from_keypoint = {nan, 0, 0}},
+                                        {.sensor_from_keypoint = {0, 0, nan}},
+                                        {.sensor_from_keypoint = {0, -1e9, 0}}};
+  const KeypointTable table = table_of(keypoints);
+  EXPECT_EQ(table.x, (std::vector<float>{1.0F, out_of_sight, out_of_sight, out_of_sight}));
+  EXPECT_EQ(table.theta, (std::vector<float>{3.0F, 0.0F, 0.0F, 0.0F}));
+  ScoredPoints points;
+  points.assign(table.columns());
+  EXPECT_NEAR(truncated_cost({}, points, table.columns(), 0.5F, no_limit), 1.5F, 1e-6)
+      << "only the usable point lies on itself";
+}
+
+}  // namespace
+}  // namespace flirt
