@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <span>
 
 namespace flirt {
@@ -69,13 +70,14 @@ Moments moments_around(const Marks& marks, std::int32_t x, std::int32_t y, int r
 }
 
 /// Centre and main direction of the hits around an occupied cell. Where hits are sparse, a wider neighbourhood tells
-/// the direction that a lone cell does not have.
-LinePiece line_piece(const Marks& marks, std::int32_t x, std::int32_t y, int radius, double cell_size) {
+/// the direction that a lone cell does not have; nothing where even that holds too few cells to tell.
+std::optional<LinePiece> line_piece(const Marks& marks, std::int32_t x, std::int32_t y, int radius, double cell_size) {
   constexpr int enough_cells = 4;
   Moments sum = moments_around(marks, x, y, radius);
   for (int factor = 2; factor <= 4 && sum.cells < enough_cells; factor *= 2) {
     sum = moments_around(marks, x, y, factor * radius);
   }
+  if (sum.cells < enough_cells) { return std::nullopt; }
   const double mean_x = sum.x / sum.weight;
   const double mean_y = sum.y / sum.weight;
   // A hit is known to its cell only: variance 1/12 of a cell in each direction.
@@ -86,9 +88,9 @@ LinePiece line_piece(const Marks& marks, std::int32_t x, std::int32_t y, int rad
   const double root = std::sqrt(half_difference * half_difference + xy * xy);
   const double mean = 0.5 * (xx + yy);
   const double along = 0.5 * std::atan2(2 * xy, xx - yy);
-  return {static_cast<float>((x + 0.5 + mean_x) * cell_size), static_cast<float>((y + 0.5 + mean_y) * cell_size),
-          static_cast<float>(-std::sin(along)), static_cast<float>(std::cos(along)),
-          static_cast<float>((mean - root) / (mean + root))};
+  return LinePiece{static_cast<float>((x + 0.5 + mean_x) * cell_size),
+                   static_cast<float>((y + 0.5 + mean_y) * cell_size), static_cast<float>(-std::sin(along)),
+                   static_cast<float>(std::cos(along)), static_cast<float>((mean - root) / (mean + root))};
 }
 
 /// Number of whole cells that a ray from any point of a cell may go before it can meet a marked one: centres are
@@ -140,7 +142,9 @@ void fill_fine_layers(MapFields& fields, const Marks& marks, const MapFieldParam
   for (std::int32_t y = 0; y < height; ++y) {
     for (std::int32_t x = 0; x < width; ++x) {
       if (marks.occupied.at(x, y) == 0) { continue; }
-      fields.lines.push_back(line_piece(marks, x, y, radius, fields.cell_size));
+      const std::optional<LinePiece> piece = line_piece(marks, x, y, radius, fields.cell_size);
+      if (!piece) { continue; }
+      fields.lines.push_back(*piece);
       line_of[marks.occupied.offset(x, y)] = static_cast<std::uint32_t>(fields.lines.size());
     }
   }

@@ -92,7 +92,7 @@ struct MapFields {
   double cell_size{0.05};          ///< m
   Raster<std::uint8_t> agreement;  ///< see Agreement
   Raster<std::uint8_t> clearance;  ///< cells that a ray may go without meeting anything solid
-  Raster<std::uint32_t> line;      ///< index into `lines` of the nearest occupied cell + 1; 0: none
+  Raster<std::uint32_t> line;      ///< index into `lines` of the piece at the nearest occupied cell + 1; 0: none
   std::vector<LinePiece> lines;
   CoarseField coarse;
 

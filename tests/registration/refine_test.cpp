@@ -52,18 +52,19 @@ TEST(Refine, CovarianceIsTheSpreadOfNoisyScans) {
 }
 
 TEST(Refine, KnowsThatACorridorHidesThePlaceAlongIt) {
-  const std::vector<rooms::Wall> walls{{{-60, 0}, {60, 0}}, {{-60, 2}, {60, 2}}};
+  const std::vector<rooms::Wall> walls{{{-60, 0.01}, {60, 0.01}}, {{-60, 2.02}, {60, 2.02}}};
+  Rng rng(6);
   EvidenceGrid grid;
-  for (int i = 0; i < 10; ++i) {
-    const Pose2 pose{static_cast<double>(i), 1, 0};
-    Scan scan = rooms::scan_of(walls, pose, 2 * std::numbers::pi);
-    grid.add(scan, pose);
+  for (int i = 0; i < 40; ++i) {
+    const Pose2 pose{0.25 * i, 1 + 0.01 * (i % 7), 0.37 * i};
+    grid.add(rooms::scan_of(walls, pose, 2 * std::numbers::pi, &rng, 0.01), pose);
   }
-  const Pose2 truth{5, 1, 0};
-  const RefinedPose refined =
-      refine(map_fields(grid), scan_points(rooms::scan_of(walls, truth, radians_from_degrees(140))), truth);
-  EXPECT_GT(refined.covariance(0, 0), 20 * refined.covariance(1, 1));
-  EXPECT_NEAR(refined.map_from_sensor.y, 1, 0.03);
+  const Pose2 truth{5.1, 1, 0.02};
+  const Scan scan = rooms::scan_of(walls, truth, std::numbers::pi, &rng, 0.01);
+  const RefinedPose refined = refine(map_fields(grid), scan_points(scan), truth);
+  EXPECT_GT(refined.covariance(0, 0), 8 * refined.covariance(1, 1));
+  EXPECT_NEAR(refined.map_from_sensor.y, 1, 0.02);
+  EXPECT_GT(refined.support, 0.5);
 }
 
 }  // namespace
