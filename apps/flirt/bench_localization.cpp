@@ -245,10 +245,7 @@ int run(Options& options, const Session& session) {
       bench_localization(loaded.log, map, options.bench, session.threads, progress_bar(session, "localizing"));
   const nlohmann::ordered_json json = bench_json(options, session, bench);
   if (!options.out.empty()) {
-    const std::filesystem::path out(options.out);
-    std::error_code error;
-    std::filesystem::create_directories(out, error);
-    if (error) { throw BadInput(options.out + ": expected a folder to write to, found: " + error.message()); }
+    const std::filesystem::path out = value_or_quit(folder_for_results(options.out));
     value_or_quit(write_file_atomically(out / "queries.csv", queries_csv(bench)));
     value_or_quit(write_file_atomically(out / "localization.json", json.dump(2) + "\n"));
     const svg::Figure curves = bench.revisit ? revisit_figure(*bench.revisit) : strategies_figure(bench);

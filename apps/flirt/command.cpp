@@ -41,6 +41,13 @@ void write_json_text(const Session& session, const std::string& text) {
   }
 }
 
+Result<std::filesystem::path> folder_for_results(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) { return fail(folder + ": expected a folder to write to, found: " + error.message()); }
+  return std::filesystem::path(folder);
+}
+
 Progress progress_bar(const Session& session, const std::string& label) {
   if (session.quiet || isatty(STDERR_FILENO) == 0) { return {}; }
   struct State {

@@ -74,6 +74,9 @@ void write_json(const Session& session, const nlohmann::ordered_json& result);
 /// The same for text that is already formatted, for example JSON lines.
 void write_json_text(const Session& session, const std::string& text);
 
+/// The folder for results, made if need be.
+Result<std::filesystem::path> folder_for_results(const std::string& folder);
+
 /// A bar on stderr when it is a terminal, not --quiet, and the work takes more than a second; else silent.
 Progress progress_bar(const Session& session, const std::string& label);
 

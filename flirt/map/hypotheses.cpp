@@ -27,6 +27,11 @@ void set_weights(std::span<Hypothesis> hypotheses) {
   for (Hypothesis& hypothesis : hypotheses) { hypothesis.weight /= sum; }
 }
 
+double score_from_residual(double residual, double inlier_distance) {
+  constexpr double chi_square_95 = 5.99;  // two degrees of freedom
+  return std::clamp(1.0 - residual / (chi_square_95 * inlier_distance * inlier_distance), 0.0, 1.0);
+}
+
 void sort_hypotheses(std::span<Hypothesis> hypotheses, HypothesisOrder order) {
   std::sort(hypotheses.begin(), hypotheses.end(),
             [order](const Hypothesis& a, const Hypothesis& b) { return is_better(a, b, order); });
@@ -46,7 +51,6 @@ std::vector<Place> distinct_places(std::span<const Hypothesis> sorted, double ma
     place->inliers = std::max(place->inliers, hypothesis.inliers);
     place->weight += hypothesis.weight;
   }
-  std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.weight > b.weight; });
   return places;
 }
 

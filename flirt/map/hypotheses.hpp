@@ -23,6 +23,7 @@ struct Hypothesis {
   std::uint32_t inliers{0};      ///< |E|, matches that agree
   double residual{0};            ///< m², mean truncated squared distance over all query keypoints
   double weight{0};              ///< of the sample: 1/residual, normalised to sum 1 over all hypotheses
+  double score{0};               ///< how much of the query the match explains, in [0, 1]; see `score_from_residual`
 };
 
 /// Hypotheses that say the same place: a mode of p(x | z, m).
@@ -50,9 +51,12 @@ void set_weights(std::span<Hypothesis> hypotheses);
 /// Best first; of equally good ones the lower map scan first.
 void sort_hypotheses(std::span<Hypothesis> hypotheses, HypothesisOrder order);
 
+/// 1 when every query keypoint lies on one of the map scan, 0 when none is within the inlier distance: the residual as
+/// a share of what it would be then, √5.99 · inlier_distance being the radius of an inlier (m).
+[[nodiscard]] double score_from_residual(double residual, double inlier_distance);
+
 /// Groups sorted hypotheses into places: each one not yet taken founds a place and takes all others within
-/// `max_distance` (m) and `max_heading` (rad). Places are ordered by weight; of equal ones the better founder first.
-/// O(hypotheses · places).
+/// `max_distance` (m) and `max_heading` (rad). Places come in the order of their founders. O(hypotheses · places).
 [[nodiscard]] std::vector<Place> distinct_places(std::span<const Hypothesis> sorted, double max_distance,
                                                  double max_heading);
 

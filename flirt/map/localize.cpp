@@ -2,6 +2,7 @@
 
 #include "flirt/core/parallel.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -37,17 +38,19 @@ struct Finds {
   bool saw_candidate{false};
 };
 
-void match_map_scan(const PlaceMap& map, std::size_t map_scan, PairMatcher& matcher, Finds& finds) {
+void match_map_scan(const PlaceMap& map, std::size_t map_scan, PairMatcher& matcher, const RansacParams& params,
+                    Finds& finds) {
   finds.saw_map_scan = true;
   const std::optional<PairAlignment> found = matcher.align(map.features(map_scan));
   finds.saw_candidate = finds.saw_candidate || !matcher.candidates().empty();
   if (!found) { return; }
   const Pose2& map_from_reference = map.map_from_sensor(map_scan);
   finds.hypotheses.push_back({.map_from_sensor = map_from_reference * found->reference_from_query,
-                              .covariance = turned(matcher.details(*found).covariance, map_from_reference),
+                              .covariance = turned(matcher.covariance(), map_from_reference),
                               .map_scan = static_cast<std::uint32_t>(map_scan),
                               .inliers = found->inliers,
-                              .residual = found->residual});
+                              .residual = found->residual,
+                              .score = score_from_residual(found->residual, params.inlier_distance)});
 }
 
 /// All finds in one. The order is that of the threads: what follows must not rely on it.
@@ -68,13 +71,31 @@ Reason why_lost(const Finds& finds, std::size_t keypoints, std::uint32_t min_inl
   return finds.saw_candidate ? Reason::few_inliers : Reason::no_match;
 }
 
+double score_of(const LocalizationResult& result, std::size_t place) {
+  return place < result.places.size() ? result.hypotheses[result.places[place].hypothesis].score : 0.0;
+}
+
+/// By how much the first place explains the query better than the second, as a share of the first, in [0, 1].
+double margin(const LocalizationResult& result) {
+  const double first = score_of(result, 0);
+  return first > 0 ? std::max(0.0, 1.0 - score_of(result, 1) / first) : 0.0;
+}
+
+/// In [0, 1): 1/2 when `half` map scans agree.
+double agreement(std::uint32_t support, double half) {
+  return support / (support + half);
+}
+
 void judge(LocalizationResult& result, const LocalizeParams& params) {
-  const Place& first = result.places.front();
-  const bool contested =
-      result.places.size() > 1 && result.places[1].inliers >= params.ambiguity * static_cast<double>(first.inliers);
-  result.verdict = contested ? Verdict::ambiguous : Verdict::unique;
-  result.reason = contested ? Reason::second_place_too_close : Reason::clear_winner;
-  result.confidence = first.weight;
+  const double lead = margin(result);
+  result.confidence = lead * agreement(result.places.front().support, params.half_support);
+  if (result.confidence >= params.min_confidence) {
+    result.verdict = Verdict::unique;
+    result.reason = Reason::clear_winner;
+  } else {
+    result.verdict = Verdict::ambiguous;
+    result.reason = lead < params.min_confidence ? Reason::second_place_too_close : Reason::little_support;
+  }
 }
 
 }  // namespace
@@ -96,7 +117,9 @@ LocalizationResult Localizer::localize(const Features& features, ScanInterval ex
   parallel_for(
       map_.size(), matchers_.size(),
       [&](std::size_t map_scan, std::size_t thread) {
-        if (!excluded.contains(map_scan)) { match_map_scan(map_, map_scan, matchers_[thread], parts[thread]); }
+        if (!excluded.contains(map_scan)) {
+          match_map_scan(map_, map_scan, matchers_[thread], params_.ransac, parts[thread]);
+        }
       },
       {}, grain);
   Finds finds = merged(std::move(parts));

@@ -31,7 +31,8 @@ struct LocalizeParams {
   HypothesisOrder order{HypothesisOrder::residual};   ///< which match stands for a place, and comes first
   double distinct_distance{0.5};                      ///< m; poses farther apart are different places
   double distinct_heading{radians_from_degrees(10)};  ///< rad; poses turned farther apart are different places
-  double ambiguity{0.8};  ///< ambiguous when the second place has this share of the first one's support
+  double half_support{4};       ///< map scans that must agree on a place for half of the confidence
+  double min_confidence{0.15};  ///< 1; less is ambiguous
   MatchParams match{};
   RansacParams ransac{};  ///< min_inliers is the papers' n_I^min: what a match needs to join the solution set
 };
@@ -44,11 +45,14 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.distinct_distance,
         Field{"distinct_distance", "m", "poses farther apart are different places", 0.0, 1e3});
   visit(params.distinct_heading, Field{"distinct_heading", "rad", "poses turned more are different places", 0.0, 3.2});
-  visit(params.ambiguity,
-        Field{"ambiguity", "1", "ambiguous when the second place has this share of support", 0.0, 1.0});
+  visit(params.half_support,
+        Field{"half_support", "", "map scans that must agree for half of the confidence", 0.0, 1e6});
+  visit(params.min_confidence, Field{"min_confidence", "1", "less confidence is ambiguous", 0.0, 1.0});
 }
 
-/// What the answer is worth. This version judges by the solution set alone; evidence from the whole scan is to come.
+/// What the answer is worth. This version judges by the solution set alone, so it says "ambiguous" of many scans that
+/// evidence from the whole scan, which is to come, can decide. Where all scans within 10 m of travel had left the map,
+/// 300 of 300 "unique" answers were right on fr079 and mit-csail, but only half and a sixth of all were "unique".
 enum class Verdict : std::uint8_t {
   unique,     ///< one place explains the scan clearly better than any other
   ambiguous,  ///< several places explain it about equally well: see LocalizationResult::places
@@ -62,8 +66,9 @@ constexpr auto enum_names(Verdict /*tag*/) {
 
 /// Why the verdict is what it is.
 enum class Reason : std::uint8_t {
-  clear_winner,            ///< unique: the second place has few inliers in comparison, or there is none
-  second_place_too_close,  ///< ambiguous: a second place has about as many inliers
+  clear_winner,            ///< unique: no second place explains the scan nearly as well, and several map scans agree
+  second_place_too_close,  ///< ambiguous: a second place explains the scan nearly as well
+  little_support,          ///< ambiguous: the first place is ahead, but too few map scans agree on it
   empty_map,               ///< lost: the map has no scans left to match
   no_keypoints,            ///< lost: nothing stands out in the scan (no returns, or a bare wall)
   few_keypoints,           ///< lost: fewer keypoints than a match needs inliers
@@ -72,8 +77,9 @@ enum class Reason : std::uint8_t {
 };
 constexpr auto enum_names(Reason /*tag*/) {
   using enum Reason;
-  return std::array<std::pair<Reason, std::string_view>, 7>{{{clear_winner, "clear_winner"},
+  return std::array<std::pair<Reason, std::string_view>, 8>{{{clear_winner, "clear_winner"},
                                                              {second_place_too_close, "second_place_too_close"},
+                                                             {little_support, "little_support"},
                                                              {empty_map, "empty_map"},
                                                              {no_keypoints, "no_keypoints"},
                                                              {few_keypoints, "few_keypoints"},
@@ -84,11 +90,13 @@ constexpr auto enum_names(Reason /*tag*/) {
 struct LocalizationResult {
   Verdict verdict{Verdict::lost};
   Reason reason{Reason::no_match};
-  double confidence{0};                  ///< of the best place, in [0, 1]; rises with its support, 0 when lost
+  /// Of the first place, in [0, 1): (1 − score of the second place / score of the first) · k / (k + half_support), k
+  /// the map scans that agree on it; 0 when lost.
+  double confidence{0};
   std::vector<Hypothesis> hypotheses{};  ///< the whole solution set, best match first
-  std::vector<Place> places{};           ///< the distinct places among them, most weight first
+  std::vector<Place> places{};           ///< the distinct places among them, in the order of their best matches
 
-  /// The match that stands for the first place; null when lost.
+  /// The best match, which stands for the first place; null when lost.
   [[nodiscard]] const Hypothesis* best() const {
     return places.empty() ? nullptr : &hypotheses[places.front().hypothesis];
   }

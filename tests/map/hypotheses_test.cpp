@@ -63,13 +63,20 @@ TEST(Hypotheses, NearPosesAreOnePlace) {
   EXPECT_DOUBLE_EQ(places[0].weight + places[1].weight + places[2].weight, 1.0);
 }
 
-TEST(Hypotheses, ThePlaceWithMoreWeightComesFirstEvenWhenAnotherHoldsTheBestMatch) {
+TEST(Hypotheses, PlacesComeInTheOrderOfTheirBestMatch) {
   std::vector<Hypothesis> hypotheses{hypothesis({0, 0, 0}, 9, 0.01), hypothesis({5, 0, 0}, 8, 0.012),
                                      hypothesis({5.1, 0, 0}, 8, 0.013)};
   set_weights(hypotheses);
   const std::vector<Place> places = distinct_places(hypotheses, 0.5, 0.2);
   ASSERT_EQ(places.size(), 2U);
-  EXPECT_EQ(places[0].hypothesis, 1U);
+  EXPECT_EQ(places[0].hypothesis, 0U);
+  EXPECT_LT(places[0].weight, places[1].weight);
+}
+
+TEST(Hypotheses, TheScoreIsTheShareThatIsExplained) {
+  EXPECT_DOUBLE_EQ(score_from_residual(0, 0.1), 1);
+  EXPECT_DOUBLE_EQ(score_from_residual(0.25 * 5.99 * 0.01, 0.1), 0.75);
+  EXPECT_DOUBLE_EQ(score_from_residual(5.99 * 0.01, 0.1), 0);
 }
 
 TEST(Hypotheses, NoHypothesesAreNoPlaces) {

@@ -258,6 +258,28 @@ TEST(Localize, TellsWhyItIsLost) {
   expect_lost(localizer.localize(features_at(elsewhere, 0)), Reason::few_inliers);
 }
 
+TEST(Localize, FewAgreeingMapScansAreLittleSupport) {
+  const std::vector<Pose2> pose{{0.2, 0.1, 0.4}};
+  const PlaceMap map = build_place_map(log_of(furnished_room(), pose)).value();
+  const LocalizationResult result =
+      localize(map, room_scan({0.3, 0.2, 1.0}), {.half_support = 4, .min_confidence = 0.5});
+  EXPECT_DOUBLE_EQ(result.confidence, 0.2);  // nothing against it, but 1 / (1 + 4)
+  EXPECT_EQ(result.verdict, Verdict::ambiguous);
+  EXPECT_EQ(result.reason, Reason::little_support);
+}
+
+TEST(Localize, ConfidenceRisesWithSupport) {
+  double before = 0;
+  for (const std::size_t count : {1U, 2U, 4U, 8U}) {
+    PlaceMapBuilder builder;
+    for (std::size_t i = 0; i < count; ++i) { builder.add({.ranges = {1.0}}, {10, 20, 0}, features_at(corners, 0)); }
+    const LocalizationResult result = Localizer(std::move(builder).build()).localize(features_at(corners, 0));
+    EXPECT_GT(result.confidence, before);
+    EXPECT_LT(result.confidence, 1);
+    before = result.confidence;
+  }
+}
+
 TEST(Localize, ComposesTheMatchWithThePoseOfTheMapScan) {
   Localizer localizer(map_of_corners());
   const Pose2 reference_from_query{0.5, -0.25, 0.5};

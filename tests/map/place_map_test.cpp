@@ -66,7 +66,8 @@ TEST(PlaceMap, StoresEachGeometryOnce) {
 
 TEST(PlaceMap, ReadingsKeepTheirMeaningWhenRounded) {
   for (const double range_max : {80.1, 81.83, 81.91, 32.77, 51.2, 50.0}) {
-    Scan scan{.beams = {0, 0.01, 0.1, range_max}, .ranges = {range_max, range_max - 0.01, 0.1, 0.09, std::nan(""), 0, 1e300}};
+    Scan scan{.beams = {0, 0.01, 0.1, range_max},
+              .ranges = {range_max, range_max - 0.01, 0.1, 0.09, std::nan(""), 0, 1e300}};
     PlaceMapBuilder builder;
     builder.add(scan, {}, {});
     const PlaceMap map = std::move(builder).build();

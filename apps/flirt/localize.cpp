@@ -1,0 +1,250 @@
+// apps/flirt/localize.cpp: `flirt localize`, the poses of single scans in a map, without a first guess.
+#include "flirt/map/localize.hpp"
+
+#include "flirt/core/parallel.hpp"
+#include "flirt/io/file.hpp"
+#include "flirt/io/flirt_map.hpp"
+#include "flirt/io/log.hpp"
+
+#include "apps/flirt/command.hpp"
+#include "apps/flirt/localize_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace flirt::app {
+namespace {
+
+struct Options {
+  std::string map;
+  std::string log;
+  std::optional<std::size_t> scan;
+  std::size_t every{1};
+  std::string svg;
+  std::string out;
+  bool summary_only{false};
+  bool samples{false};
+  LocalizeParams localize;
+  ParamFlags params;
+};
+
+/// What is kept of a query; solution sets of thousands of matches are not.
+struct Answer {
+  LocalizedScan outcome;
+  std::size_t places{0};
+  std::string line;
+  nlohmann::ordered_json json;
+};
+
+std::vector<std::size_t> queries(const Options& options, std::size_t scans) {
+  if (options.scan) {
+    if (*options.scan < scans) { return {*options.scan}; }
+    throw UsageError(fmt::format("--scan: expected one of the {} scans of the log, found {}", scans, *options.scan));
+  }
+  std::vector<std::size_t> all;
+  for (std::size_t i = 0; i < scans; i += options.every) { all.push_back(i); }
+  return all;
+}
+
+nlohmann::ordered_json hypothesis_json(const Hypothesis& hypothesis) {
+  const Pose2& pose = hypothesis.map_from_sensor;
+  std::vector<double> covariance;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) { covariance.push_back(hypothesis.covariance(row, column)); }
+  }
+  return {{"x", pose.x},
+          {"y", pose.y},
+          {"theta", pose.theta},
+          {"covariance", covariance},
+          {"score", hypothesis.score},
+          {"weight", hypothesis.weight},
+          {"score", hypothesis.score},
+          {"inliers", hypothesis.inliers},
+          {"residual", hypothesis.residual},
+          {"map_scan", hypothesis.map_scan}};
+}
+
+/// The match that stands for the place, with what all matches of the place say together.
+nlohmann::ordered_json place_json(const Place& place, const LocalizationResult& result) {
+  nlohmann::ordered_json json = hypothesis_json(result.hypotheses[place.hypothesis]);
+  json["weight"] = place.weight;
+  json["support"] = place.support;
+  return json;
+}
+
+nlohmann::ordered_json answer_json(std::size_t scan, const LocalizationResult& result, const LocalizeTimes& times,
+                                   const Options& options) {
+  nlohmann::ordered_json json{
+      {"scan", scan},
+      {"verdict", to_string(result.verdict)},
+      {"reason", to_string(result.reason)},
+      {"confidence", result.confidence},
+      {"time_us", times.detect_us + times.describe_us + times.match_us},
+      {"stages_us", {{"detect", times.detect_us}, {"describe", times.describe_us}, {"match", times.match_us}}},
+      {"hypotheses", nlohmann::ordered_json::array()}};
+  for (const Place& place : result.places) { json["hypotheses"].push_back(place_json(place, result)); }
+  if (options.samples) {
+    json["samples"] = nlohmann::ordered_json::array();
+    for (const Hypothesis& sample : result.hypotheses) { json["samples"].push_back(hypothesis_json(sample)); }
+  }
+  return json;
+}
+
+/// One line for people; `truth` is the log's own pose, where it has one.
+std::string answer_line(std::size_t scan, const LocalizationResult& result, const std::optional<Pose2>& truth) {
+  const std::string verdict = fmt::format("scan {:>5}  {:<9}", scan, to_string(result.verdict));
+  const Hypothesis* best = result.best();
+  if (best == nullptr) { return verdict + "  " + std::string(to_string(result.reason)); }
+  const Pose2& pose = best->map_from_sensor;
+  std::string line = fmt::format(
+      "{}  x {:8.3f} m  y {:8.3f} m  {:7.2f} deg  {:2} inliers  {:3} map scans  confidence {:.2f}", verdict, pose.x,
+      pose.y, degrees_from_radians(pose.theta), best->inliers, result.places.front().support, result.confidence);
+  if (truth) {
+    line += fmt::format("  {:.3f} m {:.2f} deg from the log's pose", distance(pose, *truth),
+                        degrees_from_radians(heading_difference(pose, *truth)));
+  }
+  return line;
+}
+
+std::optional<Pose2> pose_in_log(const ScanLog& log, std::size_t scan) {
+  return log.map_from_robot.empty() ? std::nullopt : std::optional(log.map_from_sensor(scan));
+}
+
+void check_options(const Options& options, const PlaceMap& map) {
+  if (!options.svg.empty() && !options.scan) { throw UsageError("--svg: expected --scan with it, to show one scan"); }
+  if (options.localize.match.distance == Distance::variance_chi_square && !map.has_variances()) {
+    throw UsageError("--match-distance variance-chi-square: expected a map with variances (flirt map --variances)");
+  }
+}
+
+/// One query uses all threads, several share them.
+std::vector<Answer> answers(const Options& options, const PlaceMap& map, const ScanLog& log, const Session& session) {
+  const std::vector<std::size_t> scans = queries(options, log.scans.size());
+  const bool single = scans.size() == 1;
+  std::vector<std::unique_ptr<Localizer>> localizers(single ? 1 : thread_count(session.threads));
+  std::vector<Answer> found(scans.size());
+  parallel_for(
+      scans.size(), localizers.size(),
+      [&](std::size_t k, std::size_t thread) {
+        if (!localizers[thread]) {
+          localizers[thread] = std::make_unique<Localizer>(map, options.localize, single ? session.threads : 1);
+        }
+        LocalizeTimes times;
+        const std::size_t scan = scans[k];
+        const LocalizationResult result = localizers[thread]->localize(log.scans[scan], {}, &times);
+        const Hypothesis* best = result.best();
+        Answer& answer = found[k];
+        answer.outcome = {.scan = scan,
+                          .verdict = result.verdict,
+                          .map_from_sensor = best != nullptr ? std::optional(best->map_from_sensor) : std::nullopt,
+                          .pose_in_log = pose_in_log(log, scan),
+                          .time_us = times.detect_us + times.describe_us + times.match_us};
+        answer.places = result.places.size();
+        answer.line = answer_line(scan, result, answer.outcome.pose_in_log);
+        answer.json = answer_json(scan, result, times, options);
+      },
+      progress_bar(session, "localizing"));
+  return found;
+}
+
+/// The picture of one scan's answer.
+CaptionedFigure example(const Options& options, const PlaceMap& map, const std::vector<Point2>& points,
+                        const ScanLog& log, std::size_t scan) {
+  const LocalizationResult result = localize(map, log.scans[scan], options.localize);
+  const std::string caption =
+      fmt::format("Scan {}: {} ({})", scan, to_string(result.verdict), to_string(result.reason));
+  return {localization_picture(points, log.scans[scan], result, pose_in_log(log, scan), caption), caption};
+}
+
+/// For the report: a unique answer from the middle of the log, and the ambiguous one with most places.
+std::vector<std::size_t> scans_to_show(const std::vector<Answer>& found) {
+  std::optional<std::size_t> unique;
+  std::optional<std::size_t> ambiguous;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const Verdict verdict = found[k].outcome.verdict;
+    if (verdict == Verdict::unique && (!unique || k <= found.size() / 2)) { unique = k; }
+    if (verdict == Verdict::ambiguous && (!ambiguous || found[k].places > found[*ambiguous].places)) { ambiguous = k; }
+  }
+  std::vector<std::size_t> scans;
+  for (const std::optional<std::size_t>& k : {unique, ambiguous}) {
+    if (k) { scans.push_back(found[*k].outcome.scan); }
+  }
+  return scans;
+}
+
+void write_pictures(const Options& options, const PlaceMap& map, const ScanLog& log, const std::vector<Answer>& found,
+                    std::span<const LocalizedScan> outcomes) {
+  if (options.svg.empty() && options.out.empty()) { return; }
+  const std::vector<Point2> points = map_points(map);
+  if (!options.svg.empty()) {
+    value_or_quit(write_file_atomically(options.svg, example(options, map, points, log, *options.scan).svg));
+  }
+  if (options.out.empty()) { return; }
+  std::vector<CaptionedFigure> examples;
+  for (const std::size_t scan : scans_to_show(found)) { examples.push_back(example(options, map, points, log, scan)); }
+  const std::filesystem::path out = value_or_quit(folder_for_results(options.out));
+  const std::string title = "Scans of " + std::filesystem::path(options.log).filename().string() + " in the map " +
+                            std::filesystem::path(options.map).filename().string();
+  value_or_quit(write_file_atomically(out / "report.html", localize_report(title, outcomes, points, examples)));
+}
+
+int run(Options& options, const Session& session) {
+  options.params.resolve(session.config);
+  options.localize.ransac.seed = session.seed;
+  const PlaceMap map = value_or_quit(read_place_map(options.map));
+  check_options(options, map);
+  const LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
+  const std::vector<Answer> found = answers(options, map, loaded.log, session);
+  std::vector<LocalizedScan> outcomes;
+  nlohmann::ordered_json json{{"map", options.map}, {"log", options.log}, {"queries", nlohmann::ordered_json::array()}};
+  for (const Answer& answer : found) {
+    outcomes.push_back(answer.outcome);
+    json["queries"].push_back(answer.json);
+  }
+  json["params"] = options.params.json();
+  json["seed"] = session.seed;
+  json.update(provenance());
+  write_pictures(options, map, loaded.log, found, outcomes);
+  write_json(session, json);
+  if (session.talks()) {
+    if (!options.summary_only) {
+      for (const Answer& answer : found) { fmt::print("{}\n", answer.line); }
+    }
+    if (found.size() > 1) { fmt::print("{}", summary_text(summarise(outcomes))); }
+  }
+  const bool all_lost =
+      std::ranges::all_of(outcomes, [](const LocalizedScan& scan) { return scan.verdict == Verdict::lost; });
+  return all_lost ? exit_not_found : exit_done;
+}
+
+}  // namespace
+
+void add_localize(CLI::App& program, Session& session) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(program, session, "localize", "Find the poses of single scans in a map.",
+                                  "flirt localize fr079.flirt run.log.gz --scan 12 --svg where.svg");
+  command->add_option("MAP", options->map, "map file made by flirt map")->required();
+  command->add_option("LOG", options->log, "log with the scans to find; its poses are not looked at")->required();
+  CLI::Option* scan = command->add_option("--scan", options->scan, "localize this scan alone, 0 for the first");
+  command->add_option("--every", options->every, "localize every K-th scan (default 1)")
+      ->check(CLI::Range(1, 1000000))
+      ->excludes(scan);
+  command->add_option("--svg", options->svg, "picture of one scan's answer, with --scan");
+  command->add_option("-o,--output", options->out, "folder for report.html: success, times, and pictures");
+  command->add_flag("--summary", options->summary_only, "print the summary alone, not a line for each scan");
+  command->add_flag("--samples", options->samples,
+                    "add every match to the JSON: weighted samples of p(pose | scan, map), for a particle filter");
+  options->params.add(*command, "localize", options->localize);
+  options->params.add(*command, "match", options->localize.match);
+  options->params.add(*command, "ransac", options->localize.ransac);
+  session.on(command, [&session, options] { return run(*options, session); });
+}
+
+}  // namespace flirt::app
