@@ -13,90 +13,168 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<double, padding>;
 using Vector = hn::Vec<Tag>;
 
-/// 2^y for y ≤ 0 with a relative error below 2e-12; 2^−1000 for anything smaller. y = n + f with n an integer and
-/// |f| ≤ ½: a polynomial for 2^f, n added to its exponent. The integer is taken from the low bits of y + 1.5 · 2^52.
+/// 2^y for y = −x² + offset with a relative error below 1e-10. y = n + f with n an integer and |f| ≤ ½: a polynomial
+/// for 2^f, n added to its exponent. `shifted` is y + 1.5 · 2^52, whose low bits are n. Wrong for y < −1000.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE V exp2_of_negative(D d, V y) {
-  const hn::RebindToUnsigned<D> bits;
-  const V round_to_integer = hn::Set(d, 0x1.8p52);
-  y = hn::Max(y, hn::Set(d, -1000.0));
-  const V shifted = hn::Add(y, round_to_integer);
-  const V f = hn::Sub(y, hn::Sub(shifted, round_to_integer));
+HWY_INLINE V exp2_of_rounded(D d, V f, V shifted) {
   const V f2 = hn::Mul(f, f);
   const V f4 = hn::Mul(f2, f2);
-  // Interpolation of 2^f at the nine Chebyshev nodes of [−½, ½].
-  const V a = hn::MulAdd(f, hn::Set(d, 0.6931471805459335), hn::Set(d, 1.0));
-  const V b = hn::MulAdd(f, hn::Set(d, 0.05550410941205933), hn::Set(d, 0.2402265069581299));
-  const V c = hn::MulAdd(f, hn::Set(d, 0.0013333450568000645), hn::Set(d, 0.009618129159402558));
-  const V e = hn::MulAdd(f, hn::Set(d, 1.5310079402249296e-05), hn::Set(d, 0.00015403455852453838));
-  const V low = hn::MulAdd(f2, b, a);
-  const V high = hn::MulAdd(f2, e, c);
-  const V power = hn::MulAdd(f4, hn::MulAdd(f4, hn::Set(d, 1.3255224878668817e-06), high), low);
-  const auto exponent = hn::ShiftLeft<52>(hn::BitCast(bits, shifted));
-  return hn::BitCast(d, hn::Add(hn::BitCast(bits, power), exponent));
+  // Interpolation of 2^f at the eight Chebyshev nodes of [−½, ½].
+  const V a = hn::MulAdd(f, hn::Set(d, 0.6931471805568324), hn::Set(d, 0.9999999999595618));
+  const V b = hn::MulAdd(f, hn::Set(d, 0.055504109063258665), hn::Set(d, 0.24022651213498092));
+  const V c = hn::MulAdd(f, hn::Set(d, 0.0013333478473685416), hn::Set(d, 0.009618025613318034));
+  const V e = hn::MulAdd(f, hn::Set(d, 1.5303700711365693e-05), hn::Set(d, 0.00015469729214118296));
+  const V power = hn::MulAdd(f4, hn::MulAdd(f2, e, c), hn::MulAdd(f2, b, a));
+  const hn::RebindToUnsigned<D> bits;
+  return hn::BitCast(d, hn::Add(hn::BitCast(bits, power), hn::ShiftLeft<52>(hn::BitCast(bits, shifted))));
 }
+
+constexpr double round_to_integer = 0x1.8p52;  // adding it leaves an integer in the low bits
+constexpr double smallest_exponent = -1000.0;
+
+/// 2^y for y ≤ 0; 2^−1000 for anything smaller.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V exp2_of_negative(D d, V y) {
+  y = hn::Max(y, hn::Set(d, smallest_exponent));
+  const V shifted = hn::Add(y, hn::Set(d, round_to_integer));
+  return exp2_of_rounded(d, hn::Sub(y, hn::Sub(shifted, hn::Set(d, round_to_integer))), shifted);
+}
+
+/// 2^(−x²) for |x| ≤ reach, else 0; nothing beyond 31 counts either.
+struct Gaussian {
+  Tag d;
+  Vector reach;
+  Vector round;
+
+  HWY_INLINE explicit Gaussian(double limit)
+      : reach(hn::Set(d, limit < 31.0 ? limit : 31.0)), round(hn::Set(d, round_to_integer)) {}
+
+  HWY_INLINE Vector operator()(Vector x) const {
+    const Vector shifted = hn::NegMulAdd(x, x, round);
+    const Vector f = hn::NegMulSub(x, x, hn::Sub(shifted, round));
+    return hn::IfThenElseZero(hn::Le(hn::Abs(x), reach), exp2_of_rounded(d, f, shifted));
+  }
+};
 
 HWY_INLINE double sum_of_lanes(Tag d, Vector v) {
   return hn::GetLane(hn::SumOfLanes(d, v));
 }
 
-void gaussian_rows(const Rows& rows, double rate, double* HWY_RESTRICT kernel, double* HWY_RESTRICT sum) {
+// Rows of pairs are taken two at a time, i and i + 1, so that what belongs to a vector of points is loaded and stored
+// once for both. They start with the vector of point i + 1, in which lanes up to a row's own point are cleared. The row
+// after an odd last one lies in the padding, infinitely far from everything.
+
+HWY_INLINE std::size_t begin_of(std::size_t i, std::size_t lanes) {
+  return (i + 1) / lanes * lanes;
+}
+
+std::size_t find_ends(const Pairs& pairs) {
+  const std::size_t lanes = hn::Lanes(Tag());
+  std::size_t size = 0;
+  std::size_t end = 0;
+  for (std::size_t i = 0; i < pairs.count; i += 2) {
+    const std::size_t begin = begin_of(i, lanes);
+    const double limit = pairs.arc[i + 1 < pairs.count ? i + 1 : i] + pairs.reach;
+    end = end > begin + lanes ? end : begin + lanes;
+    while (end < pairs.extended && pairs.arc[end] <= limit) { end += lanes; }
+    pairs.ends[i / 2] = static_cast<std::uint32_t>(end);
+    size += 2 * (end - begin);
+  }
+  return size;
+}
+
+void gaussian_sums(const Pairs& pairs, double* HWY_RESTRICT kernel, double* HWY_RESTRICT sum) {
   const Tag d;
   const std::size_t lanes = hn::Lanes(d);
-  const Vector minus_rate = hn::Set(d, -rate);
-  for (std::size_t i = 0; i < rows.count; ++i) {
-    const std::size_t end = rows.end[i];
-    if (end == i + 1) { continue; }
-    const Vector arc_i = hn::Set(d, rows.arc[i]);
-    Vector row_sum = hn::Zero(d);
-    std::size_t j = (i + 1) / lanes * lanes;
-    const auto value = [&]() HWY_ATTR {
-      const Vector distance = hn::Sub(hn::Load(d, rows.arc + j), arc_i);
-      return exp2_of_negative(d, hn::Mul(hn::Mul(distance, distance), minus_rate));
-    };
-    const auto add = [&](Vector k) HWY_ATTR {
-      hn::Store(k, d, kernel);
-      hn::Store(hn::Add(hn::Load(d, sum + j), k), d, sum + j);
-      row_sum = hn::Add(row_sum, k);
-      kernel += lanes;
+  const Gaussian gaussian(pairs.reach);
+  for (std::size_t i = 0; i < pairs.count; i += 2) {
+    const Vector arc_0 = hn::Set(d, pairs.arc[i]);
+    const Vector arc_1 = hn::Set(d, i + 1 < pairs.count ? pairs.arc[i + 1] : hwy::HighestValue<double>());
+    std::size_t j = begin_of(i, lanes);
+    const Vector first = hn::Load(d, pairs.arc + j);
+    Vector k_0 = hn::IfThenZeroElse(hn::FirstN(d, i + 1 - j), gaussian(hn::Sub(first, arc_0)));
+    Vector k_1 = hn::IfThenZeroElse(hn::FirstN(d, i + 2 - j), gaussian(hn::Sub(first, arc_1)));
+    Vector row_sum_0 = k_0;
+    Vector row_sum_1 = k_1;
+    while (true) {
+      hn::Store(k_0, d, kernel);
+      hn::Store(k_1, d, kernel + lanes);
+      hn::Store(hn::Add(hn::Load(d, sum + j), hn::Add(k_0, k_1)), d, sum + j);
+      kernel += 2 * lanes;
       j += lanes;
-    };
-    const auto up_to_i = hn::FirstN(d, i + 1 - j);
-    if (j + lanes >= end) {
-      add(hn::IfThenZeroElse(up_to_i, hn::IfThenElseZero(hn::FirstN(d, end - j), value())));
-    } else {
-      add(hn::IfThenZeroElse(up_to_i, value()));
-      while (j + lanes < end) { add(value()); }
-      add(hn::IfThenElseZero(hn::FirstN(d, end - j), value()));
+      if (j >= pairs.ends[i / 2]) { break; }
+      const Vector arc_j = hn::Load(d, pairs.arc + j);
+      k_0 = gaussian(hn::Sub(arc_j, arc_0));
+      k_1 = gaussian(hn::Sub(arc_j, arc_1));
+      row_sum_0 = hn::Add(row_sum_0, k_0);
+      row_sum_1 = hn::Add(row_sum_1, k_1);
     }
-    sum[i] += sum_of_lanes(d, row_sum);
+    sum[i] += sum_of_lanes(d, row_sum_0);
+    sum[i + 1] += sum_of_lanes(d, row_sum_1);
   }
 }
 
-void weighted_rows(const Rows& rows, const double* HWY_RESTRICT kernel, const Columns& columns, const Sums& sums) {
+void prepare_columns(const double* HWY_RESTRICT x, const double* HWY_RESTRICT y, const double* HWY_RESTRICT density,
+                     std::size_t n, const Columns& columns) {
+  const Tag d;
+  for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
+    const Vector weight = hn::Div(hn::Set(d, 1.0), hn::Load(d, density + i));
+    hn::Store(weight, d, columns.weight + i);
+    hn::Store(hn::Mul(weight, hn::Load(d, x + i)), d, columns.weighted_x + i);
+    hn::Store(hn::Mul(weight, hn::Load(d, y + i)), d, columns.weighted_y + i);
+  }
+}
+
+void weighted_sums(const Pairs& pairs, const double* HWY_RESTRICT kernel, const Columns& columns, const Columns& sums) {
   const Tag d;
   const std::size_t lanes = hn::Lanes(d);
-  for (std::size_t i = 0; i < rows.count; ++i) {
-    const std::size_t end = rows.end[i];
-    if (end == i + 1) { continue; }
-    const Vector weight = hn::Set(d, columns.weight[i]);
-    const Vector weighted_x = hn::Set(d, columns.weighted_x[i]);
-    const Vector weighted_y = hn::Set(d, columns.weighted_y[i]);
-    Vector row_weight = hn::Zero(d);
-    Vector row_x = hn::Zero(d);
-    Vector row_y = hn::Zero(d);
-    for (std::size_t j = (i + 1) / lanes * lanes; j < end; j += lanes, kernel += lanes) {
-      const Vector k = hn::Load(d, kernel);
-      row_weight = hn::MulAdd(k, hn::Load(d, columns.weight + j), row_weight);
-      row_x = hn::MulAdd(k, hn::Load(d, columns.weighted_x + j), row_x);
-      row_y = hn::MulAdd(k, hn::Load(d, columns.weighted_y + j), row_y);
-      hn::Store(hn::MulAdd(k, weight, hn::Load(d, sums.weight + j)), d, sums.weight + j);
-      hn::Store(hn::MulAdd(k, weighted_x, hn::Load(d, sums.weighted_x + j)), d, sums.weighted_x + j);
-      hn::Store(hn::MulAdd(k, weighted_y, hn::Load(d, sums.weighted_y + j)), d, sums.weighted_y + j);
+  for (std::size_t i = 0; i < pairs.count; i += 2) {
+    const Vector weight_0 = hn::Set(d, columns.weight[i]);
+    const Vector weight_1 = hn::Set(d, columns.weight[i + 1]);
+    const Vector x_0 = hn::Set(d, columns.weighted_x[i]);
+    const Vector x_1 = hn::Set(d, columns.weighted_x[i + 1]);
+    const Vector y_0 = hn::Set(d, columns.weighted_y[i]);
+    const Vector y_1 = hn::Set(d, columns.weighted_y[i + 1]);
+    Vector row_weight_0 = hn::Zero(d);
+    Vector row_weight_1 = hn::Zero(d);
+    Vector row_x_0 = hn::Zero(d);
+    Vector row_x_1 = hn::Zero(d);
+    Vector row_y_0 = hn::Zero(d);
+    Vector row_y_1 = hn::Zero(d);
+    for (std::size_t j = begin_of(i, lanes); j < pairs.ends[i / 2]; j += lanes, kernel += 2 * lanes) {
+      const Vector k_0 = hn::Load(d, kernel);
+      const Vector k_1 = hn::Load(d, kernel + lanes);
+      const Vector weight_j = hn::Load(d, columns.weight + j);
+      row_weight_0 = hn::MulAdd(k_0, weight_j, row_weight_0);
+      row_weight_1 = hn::MulAdd(k_1, weight_j, row_weight_1);
+      const Vector weight_sum = hn::MulAdd(k_0, weight_0, hn::Load(d, sums.weight + j));
+      hn::Store(hn::MulAdd(k_1, weight_1, weight_sum), d, sums.weight + j);
+      const Vector x_j = hn::Load(d, columns.weighted_x + j);
+      row_x_0 = hn::MulAdd(k_0, x_j, row_x_0);
+      row_x_1 = hn::MulAdd(k_1, x_j, row_x_1);
+      const Vector x_sum = hn::MulAdd(k_0, x_0, hn::Load(d, sums.weighted_x + j));
+      hn::Store(hn::MulAdd(k_1, x_1, x_sum), d, sums.weighted_x + j);
+      const Vector y_j = hn::Load(d, columns.weighted_y + j);
+      row_y_0 = hn::MulAdd(k_0, y_j, row_y_0);
+      row_y_1 = hn::MulAdd(k_1, y_j, row_y_1);
+      const Vector y_sum = hn::MulAdd(k_0, y_0, hn::Load(d, sums.weighted_y + j));
+      hn::Store(hn::MulAdd(k_1, y_1, y_sum), d, sums.weighted_y + j);
     }
-    sums.weight[i] += sum_of_lanes(d, row_weight);
-    sums.weighted_x[i] += sum_of_lanes(d, row_x);
-    sums.weighted_y[i] += sum_of_lanes(d, row_y);
+    sums.weight[i] += sum_of_lanes(d, row_weight_0);
+    sums.weight[i + 1] += sum_of_lanes(d, row_weight_1);
+    sums.weighted_x[i] += sum_of_lanes(d, row_x_0);
+    sums.weighted_x[i + 1] += sum_of_lanes(d, row_x_1);
+    sums.weighted_y[i] += sum_of_lanes(d, row_y_0);
+    sums.weighted_y[i + 1] += sum_of_lanes(d, row_y_1);
+  }
+}
+
+void divide_columns(const Columns& sums, std::size_t n) {
+  const Tag d;
+  for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
+    const Vector weight = hn::Load(d, sums.weight + i);
+    hn::Store(hn::Div(hn::Load(d, sums.weighted_x + i), weight), d, sums.weighted_x + i);
+    hn::Store(hn::Div(hn::Load(d, sums.weighted_y + i), weight), d, sums.weighted_y + i);
   }
 }
 
@@ -125,22 +203,31 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace flirt::curve_kernels {
 
-HWY_EXPORT(gaussian_rows);
-HWY_EXPORT(weighted_rows);
+HWY_EXPORT(find_ends);
+HWY_EXPORT(gaussian_sums);
+HWY_EXPORT(prepare_columns);
+HWY_EXPORT(weighted_sums);
+HWY_EXPORT(divide_columns);
 HWY_EXPORT(damped_displacement);
 
-std::size_t kernel_size(const Rows& rows) {
-  std::size_t size = 0;
-  for (std::size_t i = 0; i < rows.count; ++i) { size += rows.end[i] - i + 2 * padding; }
-  return size;
+std::size_t find_ends(const Pairs& pairs) {
+  return HWY_DYNAMIC_DISPATCH(find_ends)(pairs);
 }
 
-void gaussian_rows(const Rows& rows, double rate, double* kernel, double* sum) {
-  HWY_DYNAMIC_DISPATCH(gaussian_rows)(rows, rate, kernel, sum);
+void gaussian_sums(const Pairs& pairs, double* kernel, double* sum) {
+  HWY_DYNAMIC_DISPATCH(gaussian_sums)(pairs, kernel, sum);
 }
 
-void weighted_rows(const Rows& rows, const double* kernel, const Columns& columns, const Sums& sums) {
-  HWY_DYNAMIC_DISPATCH(weighted_rows)(rows, kernel, columns, sums);
+void prepare_columns(const double* x, const double* y, const double* density, std::size_t n, const Columns& columns) {
+  HWY_DYNAMIC_DISPATCH(prepare_columns)(x, y, density, n, columns);
+}
+
+void weighted_sums(const Pairs& pairs, const double* kernel, const Columns& columns, const Columns& sums) {
+  HWY_DYNAMIC_DISPATCH(weighted_sums)(pairs, kernel, columns, sums);
+}
+
+void divide_columns(const Columns& sums, std::size_t n) {
+  HWY_DYNAMIC_DISPATCH(divide_columns)(sums, n);
 }
 
 void damped_displacement(const Curves& curves, std::size_t n, double factor, double* response) {

@@ -34,90 +34,99 @@ double gaussian_reach(double lost_mass) {
   return high;
 }
 
-void CurveSmoother::lay_out(std::span<const double> arc, bool closed, double length, double reach) {
-  const std::size_t n = arc.size();
-  extended_ = n;
-  if (closed) {  // ghosts: the points that the last rows meet again after going around
-    while (extended_ < 2 * n - 1 && arc[extended_ - n] + length - arc[n - 1] <= reach) { ++extended_; }
-  }
-  resize_padded(arc_, extended_);
-  std::ranges::copy(arc, arc_.begin());
-  for (std::size_t j = n; j < extended_; ++j) { arc_[j] = arc[j - n] + length; }
-  std::fill(arc_.begin() + static_cast<std::ptrdiff_t>(extended_), arc_.end(), arc_[extended_ - 1]);
-
-  end_.resize(n);
-  std::size_t end = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    end = std::max(end, i + 1);
-    const auto pairs = [&](std::size_t j) {
-      const double distance = arc_[j] - arc_[i];
-      const double other_way = length - distance;
-      // The shorter way around; when both are equally long, once.
-      return distance <= reach && (!closed || distance < other_way || (distance == other_way && j < n));
-    };
-    while (end < extended_ && pairs(end)) { ++end; }
-    end_[i] = static_cast<std::uint32_t>(end);
-  }
+void CurveSmoother::set_curve(std::span<const double> x, std::span<const double> y, std::span<const double> arc,
+                              bool closed, double length) {
+  points_ = x.size();
+  closed_ = closed;
+  length_ = length;
+  resize_padded(x_, points_);
+  resize_padded(y_, points_);
+  std::ranges::copy(x, x_.begin());
+  std::ranges::copy(y, y_.begin());
+  arc_.assign(arc.begin(), arc.end());
 }
 
-/// Adds what the ghosts have collected to the points that they stand for.
-void CurveSmoother::fold(AlignedDoubles& sums, std::size_t n) const {
-  for (std::size_t j = n; j < extended_; ++j) { sums[j - n] += sums[j]; }
+/// Positions along the curve in units of `unit` (m), ghosts and padding behind. Ghosts are the points met again after
+/// one turn; the last rows need those within `reach` (m).
+void CurveSmoother::lay_out(double unit, double reach) {
+  extended_ = points_;
+  if (closed_) {
+    while (extended_ + 1 < 2 * points_ && arc_[extended_ - points_] + length_ - arc_[points_ - 1] <= reach) {
+      ++extended_;
+    }
+  }
+  resize_padded(position_, extended_);
+  for (std::size_t i = 0; i < points_; ++i) { position_[i] = arc_[i] / unit; }
+  // A little further than one turn: of two equally long ways between two points only the one without ghosts counts.
+  const double turn = length_ * (1.0 + 1e-14) / unit;
+  for (std::size_t j = points_; j < extended_; ++j) { position_[j] = position_[j - points_] + turn; }
+  std::fill(position_.begin() + static_cast<std::ptrdiff_t>(extended_), position_.end(),
+            std::numeric_limits<double>::infinity());
 }
 
-void CurveSmoother::smooth(std::span<const double> x, std::span<const double> y, std::span<const double> arc,
-                           bool closed, double length, double t, double reach, SmoothedCurve& out) {
-  const std::size_t n = x.size();
-  out.x.resize(n);
-  out.y.resize(n);
-  if (n == 0) { return; }
-  lay_out(arc, closed, length, reach * t);
-  const curve_kernels::Rows rows{arc_.data(), end_.data(), n};
-  const std::size_t size = curve_kernels::kernel_size(rows);
+/// Gives every ghost the value of its point, and the padding zeros: no weight.
+void CurveSmoother::append_ghosts(AlignedDoubles& values) const {
+  for (std::size_t j = points_; j < extended_; ++j) { values[j] = values[j - points_]; }
+  std::fill(values.begin() + static_cast<std::ptrdiff_t>(extended_), values.end(), 0.0);
+}
+
+/// Adds what the ghosts have collected to their points.
+void CurveSmoother::fold_ghosts(AlignedDoubles& sums) const {
+  for (std::size_t j = points_; j < extended_; ++j) { sums[j - points_] += sums[j]; }
+}
+
+void CurveSmoother::smooth(double t, double reach, SmoothedCurve& out) {
+  out.x.resize(points_);
+  out.y.resize(points_);
+  if (points_ == 0) { return; }
+  const double unit = t * std::sqrt(2.0 / std::numbers::log2e);  // 2^−x² in this unit is e^−x²/2t²
+  const double farthest = closed_ ? std::min(reach * t, 0.5 * length_) : reach * t;
+  lay_out(unit, farthest);
+  ends_.resize((points_ + 1) / 2);
+  const curve_kernels::Pairs pairs{position_.data(), points_, extended_, farthest / unit, ends_.data()};
+  const std::size_t size = curve_kernels::find_ends(pairs);
   if (kernel_.size() < size) { kernel_.resize(size); }
+  for (AlignedDoubles* column : {&weight_, &weighted_x_, &weighted_y_, &sum_, &sum_x_, &sum_y_}) {
+    resize_padded(*column, extended_);
+  }
 
-  sum_.assign(extended_ + curve_kernels::padding, 0.0);
-  std::fill_n(sum_.begin(), n, 1.0);  // k_ii
-  curve_kernels::gaussian_rows(rows, 0.5 * std::numbers::log2e / (t * t), kernel_.data(), sum_.data());
-  fold(sum_, n);
+  std::ranges::fill(sum_, 0.0);
+  std::fill_n(sum_.begin(), points_, 1.0);  // k_ii
+  curve_kernels::gaussian_sums(pairs, kernel_.data(), sum_.data());
+  fold_ghosts(sum_);
 
-  for (AlignedDoubles* column : {&weight_, &weighted_x_, &weighted_y_, &sum_x_, &sum_y_}) {
-    column->assign(extended_ + curve_kernels::padding, 0.0);
-  }
-  for (std::size_t j = 0; j < extended_; ++j) {
-    const std::size_t point = j < n ? j : j - n;
-    weight_[j] = 1.0 / sum_[point];
-    weighted_x_[j] = x[point] * weight_[j];
-    weighted_y_[j] = y[point] * weight_[j];
-  }
-  std::fill(sum_.begin(), sum_.end(), 0.0);
-  std::copy_n(weight_.begin(), n, sum_.begin());
-  std::copy_n(weighted_x_.begin(), n, sum_x_.begin());
-  std::copy_n(weighted_y_.begin(), n, sum_y_.begin());
-  curve_kernels::weighted_rows(rows, kernel_.data(), {weight_.data(), weighted_x_.data(), weighted_y_.data()},
-                               {sum_.data(), sum_x_.data(), sum_y_.data()});
-  for (AlignedDoubles* sums : {&sum_, &sum_x_, &sum_y_}) { fold(*sums, n); }
-  for (std::size_t i = 0; i < n; ++i) {
-    out.x[i] = sum_x_[i] / sum_[i];
-    out.y[i] = sum_y_[i] / sum_[i];
-  }
+  const curve_kernels::Columns columns{weight_.data(), weighted_x_.data(), weighted_y_.data()};
+  curve_kernels::prepare_columns(x_.data(), y_.data(), sum_.data(), points_, columns);
+  for (AlignedDoubles* column : {&weight_, &weighted_x_, &weighted_y_}) { append_ghosts(*column); }
+  const auto start_sums = [&](AlignedDoubles& sums, const AlignedDoubles& column) {  // k_ii again
+    std::copy_n(column.begin(), points_, sums.begin());
+    std::fill(sums.begin() + static_cast<std::ptrdiff_t>(points_), sums.end(), 0.0);
+  };
+  start_sums(sum_, weight_);
+  start_sums(sum_x_, weighted_x_);
+  start_sums(sum_y_, weighted_y_);
+
+  const curve_kernels::Columns sums{sum_.data(), sum_x_.data(), sum_y_.data()};
+  curve_kernels::weighted_sums(pairs, kernel_.data(), columns, sums);
+  for (AlignedDoubles* column : {&sum_, &sum_x_, &sum_y_}) { fold_ghosts(*column); }
+  curve_kernels::divide_columns(sums, points_);
+  std::copy_n(sum_x_.begin(), points_, out.x.begin());
+  std::copy_n(sum_y_.begin(), points_, out.y.begin());
 }
 
-void CurveSmoother::smooth(std::span<const double> x, std::span<const double> y, const GeodesicNeighbours& neighbours,
-                           double t, double reach, SmoothedCurve& out) {
+void smooth_over(const GeodesicNeighbours& neighbours, std::span<const double> x, std::span<const double> y, double t,
+                 double reach, SmoothedCurve& out) {
   const std::size_t n = x.size();
   FLIRT_ASSERT(neighbours.first.size() == n + 1);
   out.x.resize(n);
   out.y.resize(n);
-  weight_.resize(n);
-  kernel_.resize(neighbours.distance.size());
+  std::vector<double> kernel(neighbours.distance.size());
+  std::vector<double> density(n, 0.0);
   for (std::size_t i = 0; i < n; ++i) {
-    double density = 0.0;
     for (std::size_t k = neighbours.first[i]; k < neighbours.first[i + 1]; ++k) {
-      kernel_[k] = kernel_value(neighbours.distance[k], t, reach);
-      density += kernel_[k];
+      kernel[k] = kernel_value(neighbours.distance[k], t, reach);
+      density[i] += kernel[k];
     }
-    weight_[i] = 1.0 / density;
   }
   for (std::size_t i = 0; i < n; ++i) {
     double sum = 0.0;
@@ -125,7 +134,7 @@ void CurveSmoother::smooth(std::span<const double> x, std::span<const double> y,
     double sum_y = 0.0;
     for (std::size_t k = neighbours.first[i]; k < neighbours.first[i + 1]; ++k) {
       const std::size_t j = neighbours.point[k];
-      const double weight = kernel_[k] * weight_[j];
+      const double weight = kernel[k] / density[j];
       sum += weight;
       sum_x += weight * x[j];
       sum_y += weight * y[j];

@@ -28,33 +28,44 @@ struct SmoothedCurve {
 ///   S̃_i  = Σ_j k_ij/p_j · α_j / Σ_j k_ij/p_j      (P1 eq. 3 and 5, P2 eq. 9 and 11, divided by the sum of the weights;
 ///                                                  p_i cancels)
 ///
-/// The object keeps its buffers: no allocation once it has seen a curve of the same size.
+/// Here d_ij = |arc_i − arc_j|, or the shorter way around a closed curve. The object keeps its buffers: no allocation
+/// once it has seen a curve of the same size.
 class CurveSmoother {
  public:
-  /// Smooths with d_ij = |arc_i − arc_j|, or the shorter way around a `closed` curve of length `length`. Pairs further
-  /// apart than reach · t are left out. O(n · points within reach), each pair evaluated once, SIMD.
-  void smooth(std::span<const double> x, std::span<const double> y, std::span<const double> arc, bool closed,
-              double length, double t, double reach, SmoothedCurve& out);
+  /// The points of the curve, their arc lengths (m, increasing) and, when the curve is closed, its whole length (m).
+  void set_curve(std::span<const double> x, std::span<const double> y, std::span<const double> arc, bool closed,
+                 double length);
 
-  /// The same over any geodesic distances; pairs further apart than reach · t are left out.
-  void smooth(std::span<const double> x, std::span<const double> y, const GeodesicNeighbours& neighbours, double t,
-              double reach, SmoothedCurve& out);
+  /// The curve at scale t (m); pairs further apart than reach · t are left out. O(n · points within reach), each pair
+  /// evaluated once, SIMD.
+  void smooth(double t, double reach, SmoothedCurve& out);
 
  private:
-  void lay_out(std::span<const double> arc, bool closed, double length, double reach);
-  void fold(AlignedDoubles& sums, std::size_t n) const;
+  void lay_out(double unit, double reach);
+  void append_ghosts(AlignedDoubles& values) const;
+  void fold_ghosts(AlignedDoubles& sums) const;
 
-  AlignedDoubles arc_;              ///< arc lengths, those of the ghosts (points met again after one turn) behind
-  std::vector<std::uint32_t> end_;  ///< row i pairs point i with i + 1 .. end_[i]
-  std::size_t extended_{0};         ///< points and ghosts
-  AlignedDoubles kernel_;           ///< k_ij of all rows, padded to whole vectors
-  AlignedDoubles weight_;           ///< 1 / p_j
-  AlignedDoubles weighted_x_;       ///< x_j / p_j, m
-  AlignedDoubles weighted_y_;       ///< y_j / p_j, m
-  AlignedDoubles sum_;              ///< Σ k_ij, then Σ k_ij / p_j
-  AlignedDoubles sum_x_;            ///< Σ k_ij x_j / p_j, m
-  AlignedDoubles sum_y_;            ///< Σ k_ij y_j / p_j, m
+  std::size_t points_{0};
+  std::size_t extended_{0};  ///< points, and ghosts: points met again after one turn
+  bool closed_{false};
+  double length_{0};                 ///< m, of a closed curve
+  AlignedDoubles x_;                 ///< m
+  AlignedDoubles y_;                 ///< m
+  AlignedDoubles arc_;               ///< m
+  AlignedDoubles position_;          ///< arc lengths in the unit of the scale, of points and ghosts
+  std::vector<std::uint32_t> ends_;  ///< of the rows of pairs
+  AlignedDoubles kernel_;            ///< k_ij of all pairs
+  AlignedDoubles weight_;            ///< 1 / p_j
+  AlignedDoubles weighted_x_;        ///< x_j / p_j, m
+  AlignedDoubles weighted_y_;        ///< y_j / p_j, m
+  AlignedDoubles sum_;               ///< Σ k_ij, then Σ k_ij / p_j
+  AlignedDoubles sum_x_;             ///< Σ k_ij x_j / p_j, m
+  AlignedDoubles sum_y_;             ///< Σ k_ij y_j / p_j, m
 };
+
+/// The same over any geodesic distances; pairs further apart than reach · t are left out. O(neighbours).
+void smooth_over(const GeodesicNeighbours& neighbours, std::span<const double> x, std::span<const double> y, double t,
+                 double reach, SmoothedCurve& out);
 
 /// response_i = z e^−z with z = 2 |x_i − S̃_i| / t (P1 eq. 6, P2 eq. 12). O(n), SIMD.
 void damped_displacement(std::span<const double> x, std::span<const double> y, const SmoothedCurve& smoothed, double t,

@@ -118,9 +118,9 @@ void smooth_curve(const ScanCurve& curve, const CurvatureParams& params, const P
   work.smoothed_curves.resize(plan.scales.size());
   if (params.geodesic == Geodesic::arc_length) {
     const double length = arc_lengths(curve.x, curve.y, curve.closed, work.arc);
+    work.smoother.set_curve(curve.x, curve.y, work.arc, curve.closed, length);
     for (std::size_t level = 0; level < plan.scales.size(); ++level) {
-      work.smoother.smooth(curve.x, curve.y, work.arc, curve.closed, length, plan.scales[level], plan.reach,
-                           work.smoothed_curves[level]);
+      work.smoother.smooth(plan.scales[level], plan.reach, work.smoothed_curves[level]);
     }
     return;
   }
@@ -128,7 +128,7 @@ void smooth_curve(const ScanCurve& curve, const CurvatureParams& params, const P
   const double widest = plan.scales.empty() ? 0.0 : *std::ranges::max_element(plan.scales);
   const GeodesicNeighbours neighbours = shortest_paths(edges, curve.size(), plan.reach * widest);
   for (std::size_t level = 0; level < plan.scales.size(); ++level) {
-    work.smoother.smooth(curve.x, curve.y, neighbours, plan.scales[level], plan.reach, work.smoothed_curves[level]);
+    smooth_over(neighbours, curve.x, curve.y, plan.scales[level], plan.reach, work.smoothed_curves[level]);
   }
 }
 

@@ -62,7 +62,8 @@ void peaks_over_neighbours(const Samples& samples, Stretch stretch, const PeakPa
   }
 }
 
-void prominent_peaks(const Samples& samples, Stretch stretch, const PeakParams& params, const Collector& out) {
+/// The prominent peaks within samples begin .. end − 1, the first of which is no peak.
+void prominent_peaks_within(const Samples& samples, Stretch stretch, const PeakParams& params, const Collector& out) {
   double low = samples[stretch.begin];  // since the last peak
   bool rising = false;                  // more than the difference above `low`: looking for the top
   double top = 0.0;
@@ -86,6 +87,21 @@ void prominent_peaks(const Samples& samples, Stretch stretch, const PeakParams& 
       rising = false;
       low = value;
     }
+  }
+}
+
+void prominent_peaks(const Samples& samples, Stretch stretch, const PeakParams& params, const Collector& out) {
+  // A peak above the threshold ends, on both sides, with samples below this: only look between such.
+  const double floor = params.threshold - params.difference;
+  for (std::size_t i = stretch.begin; i + 1 < stretch.end;) {
+    if (!(samples[i + 1] > floor)) {
+      ++i;
+      continue;
+    }
+    std::size_t end = i + 2;
+    while (end < stretch.end && samples[end] > floor) { ++end; }
+    prominent_peaks_within(samples, {i, std::min(end + 1, stretch.end)}, params, out);
+    i = end;
   }
 }
 

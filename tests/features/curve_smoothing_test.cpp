@@ -42,7 +42,8 @@ Smoothed smoothed(const Curve& curve, double t, double lost_mass = 1e-6) {
   CurveSmoother smoother;
   AlignedDoubles arc;
   const double length = arc_lengths(curve.x, curve.y, curve.closed, arc);
-  smoother.smooth(curve.x, curve.y, arc, curve.closed, length, t, gaussian_reach(lost_mass), result.curve);
+  smoother.set_curve(curve.x, curve.y, arc, curve.closed, length);
+  smoother.smooth(t, gaussian_reach(lost_mass), result.curve);
   damped_displacement(curve.x, curve.y, result.curve, t, result.response);
   return result;
 }
@@ -149,9 +150,8 @@ TEST(CurveSmoother, GivesTheSameOverListedGeodesicDistances) {
     }
     neighbours.first.push_back(neighbours.point.size());
   }
-  CurveSmoother smoother;
   Smoothed result;
-  smoother.smooth(curve.x, curve.y, neighbours, 0.392, gaussian_reach(1e-6), result.curve);
+  smooth_over(neighbours, curve.x, curve.y, 0.392, gaussian_reach(1e-6), result.curve);
   damped_displacement(curve.x, curve.y, result.curve, 0.392, result.response);
   expect_equal(smoothed(curve, 0.392), result);
 }
@@ -166,8 +166,10 @@ TEST(CurveSmoother, IsAffineEquivariant) {
   CurveSmoother smoother;
   SmoothedCurve of_curve;
   SmoothedCurve of_mapped;
-  smoother.smooth(curve.x, curve.y, arc, false, length, 0.3, 5.0, of_curve);
-  smoother.smooth(mapped.x, mapped.y, arc, false, length, 0.3, 5.0, of_mapped);
+  smoother.set_curve(curve.x, curve.y, arc, false, length);
+  smoother.smooth(0.3, 5.0, of_curve);
+  smoother.set_curve(mapped.x, mapped.y, arc, false, length);
+  smoother.smooth(0.3, 5.0, of_mapped);
   for (std::size_t i = 0; i < curve.x.size(); ++i) {
     const Point2 expected = map({of_curve.x[i], of_curve.y[i]});
     EXPECT_NEAR(of_mapped.x[i], expected.x, 1e-12);
@@ -283,10 +285,12 @@ TEST(CurveSmoother, KeepsNothingFromOneCurveToTheNext) {
   AlignedDoubles arc;
   const Curve large = wobbly(300, 1);
   const double length = arc_lengths(large.x, large.y, true, arc);
-  used.smooth(large.x, large.y, arc, true, length, 0.7, 5.0, out);
+  used.set_curve(large.x, large.y, arc, true, length);
+  used.smooth(0.7, 5.0, out);
   const Curve small = wobbly(37, 2);
   arc_lengths(small.x, small.y, false, arc);
-  used.smooth(small.x, small.y, arc, false, 0.0, 0.2, gaussian_reach(1e-6), out);
+  used.set_curve(small.x, small.y, arc, false, 0.0);
+  used.smooth(0.2, gaussian_reach(1e-6), out);
   const Smoothed fresh = smoothed(small, 0.2);
   EXPECT_EQ(out.x, fresh.curve.x);
   EXPECT_EQ(out.y, fresh.curve.y);

@@ -308,14 +308,13 @@ std::pair<Tally, Tally> compare_curves(const std::vector<Point2>& points, const 
   }
   constexpr double everything = std::numeric_limits<double>::infinity();
   const GeodesicNeighbours neighbours = shortest_paths(edges, points.size(), everything);
-  CurveSmoother smoother;
   SmoothedCurve curve;
   std::vector<double> damped;
   Tally smoothed;
   Tally response;
   const std::vector<double> scales = scale_bank(CurvatureParams{}.scales);
   for (std::size_t level = 0; level < scales.size(); ++level) {
-    smoother.smooth(x, y, neighbours, scales[level], everything, curve);
+    smooth_over(neighbours, x, y, scales[level], everything, curve);
     damped_displacement(x, y, curve, scales[level], damped);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double distance = norm(Point2{curve.x[i], curve.y[i]} - sensor);
