@@ -13,8 +13,8 @@
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "flirt/registration/dense_search.cpp"
-#include "hwy/foreach_target.h"
-#include "hwy/highway.h"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
 // clang-format on
 
 #ifndef FLIRT_REGISTRATION_DENSE_SEARCH_ONCE
