@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -21,13 +22,32 @@ std::vector<Point2> end_points(const Scan& scan) {
   return points;
 }
 
+/// Around the sensor, all support regions and the nearest 95 % of the end points: a few far points would make the rest
+/// too small to see.
+svg::Bounds bounds_of(std::vector<Point2> points, const std::vector<Keypoint>& keypoints) {
+  std::sort(points.begin(), points.end(), [](Point2 a, Point2 b) { return squared_norm(a) < squared_norm(b); });
+  points.resize(points.size() * 95 / 100);
+  svg::Bounds bounds;
+  const auto include = [&bounds](Point2 centre, double radius) {
+    bounds.low = {std::min(bounds.low.x, centre.x - radius), std::min(bounds.low.y, centre.y - radius)};
+    bounds.high = {std::max(bounds.high.x, centre.x + radius), std::max(bounds.high.y, centre.y + radius)};
+  };
+  include({0, 0}, 1.0);
+  for (const Point2& point : points) { include(point, 0.3); }
+  for (const Keypoint& keypoint : keypoints) {
+    include(keypoint.sensor_from_keypoint.translation(), keypoint.support_radius + 0.2);
+  }
+  return bounds;
+}
+
 Point2 along(const Keypoint& keypoint, double distance) {
   return keypoint.sensor_from_keypoint * Point2{distance, 0.0};
 }
 
 svg::Plan scan_plan(const DetectFigureInput& input) {
   const std::vector<Keypoint>& keypoints = input.features.keypoints;
-  svg::Plan plan{.title = fmt::format("{} keypoints, support regions and directions", keypoints.size())};
+  svg::Plan plan{.title = fmt::format("{} keypoints, support regions and directions", keypoints.size()),
+                 .bounds = bounds_of(end_points(input.scan), keypoints)};
   plan.layers.emplace_back(
       svg::Points{.at = end_points(input.scan), .colour = svg::blue, .radius = 1.3, .legend = "end points"});
   svg::Circles regions{.colour = svg::vermilion, .width = 1.0, .legend = "support regions"};
@@ -66,6 +86,9 @@ double largest_magnitude(const DetectorTrace& trace) {
   return largest;
 }
 
+/// All but vermilion, which marks the keypoints.
+constexpr std::array level_colours{svg::blue, svg::sky_blue, svg::green, svg::purple, svg::grey};
+
 /// Lines one above the other: the response of level k, over the largest of all, runs from k upwards.
 svg::Chart response_chart(const DetectFigureInput& input) {
   const DetectorTrace& trace = input.trace.detector;
@@ -81,9 +104,7 @@ svg::Chart response_chart(const DetectFigureInput& input) {
   for (std::size_t level = 0; level < trace.scales.size(); ++level) {
     const ScaleTrace& scale = trace.scales[level];
     svg::Series line{.legend = fmt::format("t = {:.3g} {}", scale.t, is_curvature ? "m" : "beams²"),
-                     .style = svg::series_style(level)};
-    line.style.marker = svg::Marker::none;
-    line.style.dash = svg::Dash::solid;
+                     .style = {level_colours[level % level_colours.size()], svg::Dash::solid, svg::Marker::none}};
     for (std::size_t i = 0; i < scale.response.size(); ++i) {
       line.x.push_back(trace.beams[i]);
       line.y.push_back(static_cast<double>(level) + factor * scale.response[i]);

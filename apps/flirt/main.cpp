@@ -13,27 +13,13 @@ int main(int argc, char** argv) {
   program.get_formatter()->column_width(44);
   Session session;
   try {
-#ifdef FLIRT_HAS_INFO
     add_info(program, session);
-#endif
-#ifdef FLIRT_HAS_DETECT
     add_detect(program, session);
-#endif
-#ifdef FLIRT_HAS_MATCH
     add_match(program, session);
-#endif
-#ifdef FLIRT_HAS_MAP
     add_map(program, session);
-#endif
-#ifdef FLIRT_HAS_LOCALIZE
     add_localize(program, session);
-#endif
-#ifdef FLIRT_HAS_SIMULATE
     add_simulate(program, session);
-#endif
-#ifdef FLIRT_HAS_BENCH
     add_bench(program, session);
-#endif
     program.parse(argc, argv);
     return session.run();
   } catch (const CLI::ParseError& error) {

@@ -9,9 +9,9 @@
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "flirt/match/distance.cpp"
-#include "hwy/foreach_target.h"
-#include "hwy/highway.h"
-#include "hwy/contrib/math/math-inl.h"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+#include <hwy/contrib/math/math-inl.h>
 #include "flirt/match/lanes-inl.hpp"
 // clang-format on
 

@@ -7,7 +7,7 @@
 #define FLIRT_MATCH_LANES_INL
 #endif
 
-#include "hwy/highway.h"
+#include <hwy/highway.h>
 
 #include <cstddef>
 #include <cstdint>

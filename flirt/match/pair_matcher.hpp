@@ -34,6 +34,8 @@ class PairMatcher {
   /// Of the last call of align, as are the next two.
   [[nodiscard]] std::span<const Match> candidates() const { return candidates_; }
   [[nodiscard]] std::span<const IndexPair> inliers() const { return ransac_.inliers(); }
+  /// Covariance of (x, y, theta) of the last alignment found.
+  [[nodiscard]] Eigen::Matrix3d covariance() const { return ransac_.covariance(); }
   /// The lists and the covariance that belong to `found`, the result of the last call of align.
   [[nodiscard]] Alignment details(const PairAlignment& found) const {
     return {found.reference_from_query, ransac_.covariance(),

@@ -39,60 +39,101 @@ struct CellVisit {
       GridAxis::none};  ///< direction of travel through the border by which the ray came in; none: the ray starts in it
 };
 
+/// A ray's way through the cells along one axis. Lengths along the ray are in m, positions in cells but for `start`.
+class AxisWalk {
+ public:
+  AxisWalk(double start, double direction, double cell_size, double cells_per_metre, std::int32_t cells)
+      : start_(start * cells_per_metre),
+        slope_(direction * cells_per_metre),
+        inverse_(direction != 0 ? cell_size / direction : 0),
+        step_(direction > 0   ? 1
+              : direction < 0 ? -1
+                              : 0),
+        cells_(cells) {}
+
+  /// Shortens [from, to] to what lies within the grid along this axis; false when nothing is left.
+  [[nodiscard]] bool clip(double& from, double& to) const {
+    if (step_ == 0) { return start_ >= 0 && start_ <= cells_; }
+    const double first = -start_ * inverse_;
+    const double second = (cells_ - start_) * inverse_;
+    from = std::max(from, std::min(first, second));
+    to = std::min(to, std::max(first, second));
+    return from <= to;
+  }
+  /// Goes to the cell at `length`, no further away than `reach` cells.
+  void enter(double length, std::int32_t reach) {
+    const auto at = static_cast<std::int32_t>(start_ + length * slope_);  // positions in the grid are positive
+    enter_cell(std::clamp(at, std::max(0, cell_ - reach), std::min(cells_ - 1, cell_ + reach)));
+  }
+  void enter_cell(std::int32_t cell) {
+    cell_ = cell;
+    leave_ = leave_after(1);
+  }
+  void enter_next() {
+    cell_ += step_;
+    leave_ += std::abs(inverse_);
+  }
+  /// Length at which the ray leaves this cell and the `count` − 1 next ones.
+  [[nodiscard]] double leave_after(std::int32_t count) const {
+    if (step_ == 0) { return std::numeric_limits<double>::infinity(); }
+    return ((step_ > 0 ? cell_ + count : cell_ + 1 - count) - start_) * inverse_;
+  }
+  [[nodiscard]] double leave() const { return leave_; }
+  [[nodiscard]] std::int32_t cell() const { return cell_; }
+  [[nodiscard]] std::int32_t step() const { return step_; }
+  [[nodiscard]] bool is_inside() const {
+    return static_cast<std::uint32_t>(cell_) < static_cast<std::uint32_t>(cells_);
+  }
+
+ private:
+  double start_;
+  double slope_;    ///< cells per m
+  double inverse_;  ///< m per cell; 0 when the ray does not move along this axis
+  std::int32_t step_;
+  std::int32_t cells_;
+  std::int32_t cell_{0};
+  double leave_{0};
+};
+
 /// Calls visit(CellVisit) for the cells with content that the ray origin + t · direction, t in [from, to], runs
 /// through, in order, until visit returns true. `direction` has length 1. After Amanatides and Woo 1987, with jumps.
 template <class Visit>
 void walk(const CellGrid& grid, Point2 origin, Point2 direction, double from, double to, Visit&& visit) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  const double scale = 1.0 / grid.cell_size;
-  const Point2 start = scale * (origin - grid.origin);  // cells
-  const Point2 inverse{direction.x != 0 ? grid.cell_size / direction.x : infinity,
-                       direction.y != 0 ? grid.cell_size / direction.y : infinity};  // m per cell
-  const Point2 slope = scale * direction;                                            // cells per m
-  GridAxis crossed = GridAxis::none;
-  const auto clip = [&](double position, double inverse_slope, double cells, GridAxis axis) {
-    if (std::isinf(inverse_slope)) { return position >= 0 && position <= cells; }
-    const double first = -position * inverse_slope;
-    const double second = (cells - position) * inverse_slope;
-    if (std::min(first, second) > from) {
-      from = std::min(first, second);
-      crossed = axis;
-    }
-    to = std::min(to, std::max(first, second));
-    return from <= to;
-  };
-  if (!clip(start.x, inverse.x, grid.columns, GridAxis::x) || !clip(start.y, inverse.y, grid.rows, GridAxis::y)) {
-    return;
-  }
-
-  const auto cell_at = [](double position, std::int32_t low, std::int32_t high) {
-    return std::clamp(static_cast<std::int32_t>(position), low, high);
-  };
-  std::int32_t column = cell_at(start.x + from * slope.x, 0, grid.columns - 1);
-  std::int32_t row = cell_at(start.y + from * slope.y, 0, grid.rows - 1);
+  constexpr std::int32_t least_jump = 3;  // cells; shorter ways are faster step by step
+  const Point2 offset = origin - grid.origin;
+  const double cells_per_metre = 1 / grid.cell_size;
+  AxisWalk x(offset.x, direction.x, grid.cell_size, cells_per_metre, grid.columns);
+  AxisWalk y(offset.y, direction.y, grid.cell_size, cells_per_metre, grid.rows);
   double enter = from;
+  if (!x.clip(enter, to)) { return; }
+  GridAxis crossed = enter > from ? GridAxis::x : GridAxis::none;
+  const double enter_x = enter;
+  if (!y.clip(enter, to)) { return; }
+  if (enter > enter_x) { crossed = GridAxis::y; }
+  x.enter(enter, grid.columns);
+  y.enter(enter, grid.rows);
   while (true) {
-    const std::size_t cell = grid.index(column, row);
-    const std::int32_t steps = grid.steps_to_content[cell];
-    const std::int32_t reach = std::max(steps, 1);  // the square of cells within reach - 1 has nothing else in it
-    const std::int32_t border_x = direction.x > 0 ? column + reach : column + 1 - reach;
-    const std::int32_t border_y = direction.y > 0 ? row + reach : row + 1 - reach;
-    const double leave_x = direction.x != 0 ? (border_x - start.x) * inverse.x : infinity;
-    const double leave_y = direction.y != 0 ? (border_y - start.y) * inverse.y : infinity;
-    const double leave = std::min(leave_x, leave_y);
-    if (steps == 0 && visit(CellVisit{cell, enter, leave, crossed})) { return; }
-    if (leave >= to) { return; }
-    enter = std::max(enter, leave);
-    if (leave_x <= leave_y) {
-      column = direction.x > 0 ? column + reach : column - reach;
-      row = cell_at(start.y + leave * slope.y, row + 1 - reach, row + reach - 1);
-      crossed = GridAxis::x;
-    } else {
-      row = direction.y > 0 ? row + reach : row - reach;
-      column = cell_at(start.x + leave * slope.x, column + 1 - reach, column + reach - 1);
-      crossed = GridAxis::y;
+    const std::int32_t steps = grid.steps_to_content[grid.index(x.cell(), y.cell())];
+    if (steps == 0 &&
+        visit(CellVisit{grid.index(x.cell(), y.cell()), enter, std::min(x.leave(), y.leave()), crossed})) {
+      return;
     }
-    if (column < 0 || column >= grid.columns || row < 0 || row >= grid.rows) { return; }
+    if (steps < least_jump) {
+      crossed = x.leave() <= y.leave() ? GridAxis::x : GridAxis::y;
+      AxisWalk& next = crossed == GridAxis::x ? x : y;
+      enter = next.leave();
+      next.enter_next();
+    } else {  // the square of cells less than `steps` away is empty
+      const double leave_x = x.leave_after(steps);
+      const double leave_y = y.leave_after(steps);
+      crossed = leave_x <= leave_y ? GridAxis::x : GridAxis::y;
+      enter = std::min(leave_x, leave_y);
+      AxisWalk& next = crossed == GridAxis::x ? x : y;
+      AxisWalk& other = crossed == GridAxis::x ? y : x;
+      next.enter_cell(next.cell() + steps * next.step());
+      other.enter(enter, steps - 1);
+    }
+    if (enter > to || !x.is_inside() || !y.is_inside()) { return; }
   }
 }
 

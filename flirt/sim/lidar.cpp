@@ -12,6 +12,25 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double past_glass = 1e-6;  // m, behind a pane at which a beam that passed it goes on
 constexpr double depth_jump = 0.2;   // m, between neighbouring beams, above which a reading may fall in between
 
+/// Standard normal numbers two at a time (Box and Muller), half the cost of Rng::normal.
+class Normals {
+ public:
+  explicit Normals(Rng& rng) : rng_(rng) {}
+  double next() {
+    has_spare_ = !has_spare_;
+    if (!has_spare_) { return spare_; }
+    const double radius = std::sqrt(-2.0 * std::log(1.0 - rng_.uniform()));
+    const double angle = 2.0 * std::numbers::pi * rng_.uniform();
+    spare_ = radius * std::sin(angle);
+    return radius * std::cos(angle);
+  }
+
+ private:
+  Rng& rng_;
+  bool has_spare_{false};
+  double spare_{0};
+};
+
 }  // namespace
 
 Lidar::Lidar(const LidarParams& params) : params_(params) {
@@ -71,10 +90,10 @@ void Lidar::mix_at_jumps(std::vector<double>& ranges, Rng& rng) const {
   }
 }
 
-/// The reading for a true distance: noise, rounding, losses and limits.
-double Lidar::reading(double range, Rng& rng) const {
+/// The reading for a true distance and standard normal noise: rounding, losses and limits.
+double Lidar::reading(double range, double noise, Rng& rng) const {
   if (range >= params_.range_max || rng.uniform() < params_.dropouts) { return params_.range_max; }
-  double measured = range + (params_.noise + params_.noise_per_metre * range) * rng.normal();
+  double measured = range + (params_.noise + params_.noise_per_metre * range) * noise;
   if (params_.resolution > 0) { measured = std::round(measured / params_.resolution) * params_.resolution; }
   if (measured <= 0) { return params_.range_min / 2; }  // too near, not "no return"
   return std::min(measured, params_.range_max);
@@ -93,7 +112,8 @@ std::vector<double> Lidar::measure(const RayCaster& caster, std::span<const Plan
     ranges[i] = std::min(ranges[i], true_range(caster, map_from_sensor.translation(), in_map, limit, rng));
   }
   if (params_.mixed_pixels > 0) { mix_at_jumps(ranges, rng); }
-  for (double& range : ranges) { range = reading(range, rng); }
+  Normals normals(rng);
+  for (double& range : ranges) { range = reading(range, normals.next(), rng); }
   return ranges;
 }
 

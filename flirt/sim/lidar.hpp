@@ -88,7 +88,7 @@ class Lidar {
                                   Rng& rng) const;
   void cover_by(const PlanDisc& disc, const Pose2& map_from_sensor, std::vector<double>& limits) const;
   void mix_at_jumps(std::vector<double>& ranges, Rng& rng) const;
-  [[nodiscard]] double reading(double range, Rng& rng) const;
+  [[nodiscard]] double reading(double range, double noise, Rng& rng) const;
 
   LidarParams params_;
   Beams beams_;

@@ -74,30 +74,6 @@ void rasterize(const CellGrid& grid, const PlanDisc& disc, const Place& place) {
   }
 }
 
-/// Range along a ray to a segment that it runs along (to its nearer end), at least `from`; +inf when beside it.
-double range_along(Point2 offset, Point2 along, Point2 direction, double from) {
-  if (std::abs(cross(offset, direction)) > slack) { return infinity; }
-  const double a = dot(offset, direction);
-  const double b = a + dot(along, direction);
-  return std::max(a, b) < from - slack ? infinity : std::max(std::min(a, b), from);
-}
-
-/// Range along the ray to a segment, in [from, nearest); +inf when there is no such point. `tolerance` is the share of
-/// its length by which both ends of the segment are extended. Divides for hits only.
-double range_to_segment(Point2 begin, Point2 along, double tolerance, Point2 origin, Point2 direction, double from,
-                        double nearest) {
-  const Point2 offset = begin - origin;
-  const double signed_denominator = cross(direction, along);
-  const double denominator = std::abs(signed_denominator);
-  if (denominator * tolerance <= parallel_sine * slack) { return range_along(offset, along, direction, from); }
-  const double share = std::copysign(1.0, signed_denominator) * cross(offset, direction);  // times the denominator
-  const double range = std::copysign(1.0, signed_denominator) * cross(offset, along);      // likewise
-  const double beyond = tolerance * denominator;
-  const bool meets = share >= -beyond && share <= denominator + beyond && range >= (from - slack) * denominator &&
-                     range < nearest * denominator;
-  return meets ? std::max(range / denominator, from) : infinity;
-}
-
 /// Range along the ray to a filled disc, at least `from`; +inf when they do not meet.
 double range_to_disc(const PlanDisc& disc, Point2 origin, Point2 direction, double from) {
   const Point2 offset = disc.center - origin;
@@ -110,6 +86,36 @@ double range_to_disc(const PlanDisc& disc, Point2 origin, Point2 direction, doub
 }
 
 }  // namespace
+
+RayCaster::Surface::Surface(const PlanSegment& segment) : material(segment.material) {
+  const Point2 way = segment.end - segment.begin;
+  const double length = norm(way);
+  along = length > 0 ? (1 / length) * way : Point2{1, 0};
+  normal = {-along.y, along.x};
+  offset = dot(normal, segment.begin);
+  first = dot(along, segment.begin) - slack;
+  last = first + length + 2 * slack;
+}
+
+/// Range along the ray, at least `from`; +inf (or not a number) when they do not meet.
+double RayCaster::Surface::range(Point2 origin, Point2 direction, double from) const {
+  const double closing = dot(normal, direction);
+  if (std::abs(closing) <= parallel_sine) { return range_along(origin, direction, from); }
+  const double range = (offset - dot(normal, origin)) / closing;
+  const double at = dot(along, origin) + range * dot(along, direction);
+  const bool meets = (at >= first) & (at <= last) & (range >= from - slack);  // one branch instead of three
+  return meets ? std::max(range, from) : infinity;
+}
+
+/// The same for a ray that runs along the line: the range to the nearer end.
+double RayCaster::Surface::range_along(Point2 origin, Point2 direction, double from) const {
+  if (std::abs(offset - dot(normal, origin)) > slack) { return infinity; }
+  const double at = dot(along, origin);
+  const double sign = dot(along, direction) > 0 ? 1 : -1;
+  const double a = sign * (first + slack - at);
+  const double b = sign * (last - slack - at);
+  return std::max(a, b) < from - slack ? infinity : std::max(std::min(a, b), from);
+}
 
 RayCaster::RayCaster(const FloorPlan& plan) {
   if (!plan.segments.empty() || !plan.discs.empty()) { place_surfaces(plan); }
@@ -137,8 +143,7 @@ void RayCaster::place_surfaces(const FloorPlan& plan) {
   surfaces_.resize(end.first_surface);
   discs_.resize(end.first_disc);
   for (const PlanSegment& segment : plan.segments) {
-    const Point2 along = segment.end - segment.begin;
-    const Surface surface{segment.begin, along, slack / std::max(norm(along), slack), segment.material};
+    const Surface surface(segment);
     rasterize(grid_, segment, [&](std::size_t cell) { surfaces_[--cells_[cell].first_surface] = surface; });
   }
   for (const PlanDisc& disc : plan.discs) {
@@ -166,12 +171,10 @@ RayHit RayCaster::nearest_surface(Point2 origin, Point2 direction, double from, 
     const Cell& cell = cells_[visit.cell];
     const Cell& next = cells_[visit.cell + 1];
     for (std::uint32_t k = cell.first_surface; k < next.first_surface; ++k) {
-      const Surface& candidate = surfaces_[k];
-      const double range =
-          range_to_segment(candidate.begin, candidate.along, candidate.tolerance, origin, direction, from, nearest);
+      const double range = surfaces_[k].range(origin, direction, from);
       if (range < nearest) {
         nearest = range;
-        surface = &candidate;
+        surface = &surfaces_[k];
         disc = nullptr;
       }
     }
@@ -189,8 +192,7 @@ RayHit RayCaster::nearest_surface(Point2 origin, Point2 direction, double from, 
     const double aside = cross(direction, disc->center - origin) / std::max(disc->radius, slack);
     return {nearest, Material::solid, std::sqrt(std::max(0.0, 1 - aside * aside))};
   }
-  const double length_inverse = surface->tolerance / slack;
-  return {nearest, surface->material, std::min(1.0, std::abs(cross(direction, surface->along)) * length_inverse)};
+  return {nearest, surface->material, std::min(1.0, std::abs(dot(surface->normal, direction)))};
 }
 
 RayHit RayCaster::nearest_pixel(Point2 origin, Point2 direction, double from, double to) const {

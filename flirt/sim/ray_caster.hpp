@@ -36,11 +36,18 @@ class RayCaster {
   [[nodiscard]] std::vector<double> cast(const Pose2& map_from_sensor, const Beams& beams, std::size_t count) const;
 
  private:
+  /// A segment as a stretch of a line.
   struct Surface {
-    Point2 begin;
-    Point2 along;      ///< end - begin
-    double tolerance;  ///< share of the length by which both ends are extended
+    Point2 normal;  ///< unit vector
+    double offset;  ///< m, of the line from the origin along the normal
+    Point2 along;   ///< unit vector
+    double first;   ///< m, the stretch's ends along the line, first < last
+    double last;
     Material material;
+
+    explicit Surface(const PlanSegment& segment = {});
+    [[nodiscard]] double range(Point2 origin, Point2 direction, double from) const;
+    [[nodiscard]] double range_along(Point2 origin, Point2 direction, double from) const;
   };
   /// Where a cell's surfaces and discs begin; they end where those of the next cell begin.
   struct Cell {

@@ -2,7 +2,7 @@
 
 #include "flirt/core/rng.hpp"
 
-#include "support/scenes.hpp"
+#include "tests/support/scenes.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

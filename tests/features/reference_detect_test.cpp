@@ -20,7 +20,7 @@
 #include "flirt/features/detect.hpp"
 #include "flirt/features/geodesic.hpp"
 
-#include "support/data.hpp"
+#include "tests/support/data.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -76,7 +76,7 @@ TEST(Hypotheses, PlacesComeInTheOrderOfTheirBestMatch) {
 TEST(Hypotheses, TheScoreIsTheShareThatIsExplained) {
   EXPECT_DOUBLE_EQ(score_from_residual(0, 0.1), 1);
   EXPECT_DOUBLE_EQ(score_from_residual(0.25 * 5.99 * 0.01, 0.1), 0.75);
-  EXPECT_DOUBLE_EQ(score_from_residual(5.99 * 0.01, 0.1), 0);
+  EXPECT_NEAR(score_from_residual(5.99 * 0.01, 0.1), 0, 1e-15);
 }
 
 TEST(Hypotheses, NoHypothesesAreNoPlaces) {
