@@ -22,8 +22,8 @@ std::vector<Point2> end_points(const Scan& scan) {
   return points;
 }
 
-/// Around the sensor, all support regions and the nearest 95 % of the end points: a few far points would make the rest
-/// too small to see.
+/// Around the sensor, the keypoints and the nearest 95 % of the end points: a few far points, or support regions across
+/// gaps, would make the rest too small to see.
 svg::Bounds bounds_of(std::vector<Point2> points, const std::vector<Keypoint>& keypoints) {
   std::sort(points.begin(), points.end(), [](Point2 a, Point2 b) { return squared_norm(a) < squared_norm(b); });
   points.resize(points.size() * 95 / 100);
@@ -35,7 +35,7 @@ svg::Bounds bounds_of(std::vector<Point2> points, const std::vector<Keypoint>& k
   include({0, 0}, 1.0);
   for (const Point2& point : points) { include(point, 0.3); }
   for (const Keypoint& keypoint : keypoints) {
-    include(keypoint.sensor_from_keypoint.translation(), keypoint.support_radius + 0.2);
+    include(keypoint.sensor_from_keypoint.translation(), std::min<double>(keypoint.support_radius, 1.0) + 0.2);
   }
   return bounds;
 }
@@ -57,7 +57,7 @@ svg::Plan scan_plan(const DetectFigureInput& input) {
     const Point2 at = keypoint.sensor_from_keypoint.translation();
     regions.circles.push_back({at, keypoint.support_radius});
     centres.at.push_back(at);
-    directions.arrows.push_back({at, along(keypoint, std::max<double>(keypoint.support_radius, 0.3))});
+    directions.arrows.push_back({at, along(keypoint, std::clamp<double>(keypoint.support_radius, 0.3, 1.0))});
   }
   plan.layers.emplace_back(regions);
   plan.layers.emplace_back(centres);
