@@ -13,8 +13,11 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<double, padding>;
 using Vector = hn::Vec<Tag>;
 
-/// 2^y for y = −x² + offset with a relative error below 1e-10. y = n + f with n an integer and |f| ≤ ½: a polynomial
-/// for 2^f, n added to its exponent. `shifted` is y + 1.5 · 2^52, whose low bits are n. Wrong for y < −1000.
+constexpr double round_to_integer = 0x1.8p52;  // adding it leaves an integer in the low bits
+constexpr double smallest_exponent = -1000.0;
+
+/// 2^(n + f) with a relative error below 1e-10: a polynomial for 2^f, |f| ≤ ½, and n added to its exponent. `shifted` is
+/// n + round_to_integer. Wrong for n < smallest_exponent.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V exp2_of_rounded(D d, V f, V shifted) {
   const V f2 = hn::Mul(f, f);
@@ -29,9 +32,6 @@ HWY_INLINE V exp2_of_rounded(D d, V f, V shifted) {
   return hn::BitCast(d, hn::Add(hn::BitCast(bits, power), hn::ShiftLeft<52>(hn::BitCast(bits, shifted))));
 }
 
-constexpr double round_to_integer = 0x1.8p52;  // adding it leaves an integer in the low bits
-constexpr double smallest_exponent = -1000.0;
-
 /// 2^y for y ≤ 0; 2^−1000 for anything smaller.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V exp2_of_negative(D d, V y) {
@@ -40,21 +40,14 @@ HWY_INLINE V exp2_of_negative(D d, V y) {
   return exp2_of_rounded(d, hn::Sub(y, hn::Sub(shifted, hn::Set(d, round_to_integer))), shifted);
 }
 
-/// 2^(−x²) for |x| ≤ reach, else 0; nothing beyond 31 counts either.
-struct Gaussian {
-  Tag d;
-  Vector reach;
-  Vector round;
-
-  HWY_INLINE explicit Gaussian(double limit)
-      : reach(hn::Set(d, limit < 31.0 ? limit : 31.0)), round(hn::Set(d, round_to_integer)) {}
-
-  HWY_INLINE Vector operator()(Vector x) const {
-    const Vector shifted = hn::NegMulAdd(x, x, round);
-    const Vector f = hn::NegMulSub(x, x, hn::Sub(shifted, round));
-    return hn::IfThenElseZero(hn::Le(hn::Abs(x), reach), exp2_of_rounded(d, f, shifted));
-  }
-};
+/// 2^(−x²), or 0 where x is above `reach`, which is at most `farthest`.
+HWY_INLINE Vector gaussian(Tag d, Vector x, Vector reach) {
+  const Vector round = hn::Set(d, round_to_integer);
+  const Vector shifted = hn::NegMulAdd(x, x, round);
+  const Vector f = hn::NegMulSub(x, x, hn::Sub(shifted, round));
+  return hn::IfThenElseZero(hn::Le(x, reach), exp2_of_rounded(d, f, shifted));
+}
+constexpr double farthest = 31.0;  // 2^(−31²) is nothing
 
 HWY_INLINE double sum_of_lanes(Tag d, Vector v) {
   return hn::GetLane(hn::SumOfLanes(d, v));
@@ -62,7 +55,9 @@ HWY_INLINE double sum_of_lanes(Tag d, Vector v) {
 
 // Rows of pairs are taken two at a time, i and i + 1, so that what belongs to a vector of points is loaded and stored
 // once for both. They start with the vector of point i + 1, in which lanes up to a row's own point are cleared. The row
-// after an odd last one lies in the padding, infinitely far from everything.
+// after an odd last one is empty: its point is put beyond everything.
+
+constexpr double beyond_everything = -1e300;  // so far before the others that none is within reach
 
 HWY_INLINE std::size_t begin_of(std::size_t i, std::size_t lanes) {
   return (i + 1) / lanes * lanes;
@@ -86,14 +81,14 @@ std::size_t find_ends(const Pairs& pairs) {
 void gaussian_sums(const Pairs& pairs, double* HWY_RESTRICT kernel, double* HWY_RESTRICT sum) {
   const Tag d;
   const std::size_t lanes = hn::Lanes(d);
-  const Gaussian gaussian(pairs.reach);
+  const Vector reach = hn::Set(d, pairs.reach < farthest ? pairs.reach : farthest);
   for (std::size_t i = 0; i < pairs.count; i += 2) {
     const Vector arc_0 = hn::Set(d, pairs.arc[i]);
-    const Vector arc_1 = hn::Set(d, i + 1 < pairs.count ? pairs.arc[i + 1] : hwy::HighestValue<double>());
+    const Vector arc_1 = hn::Set(d, i + 1 < pairs.count ? pairs.arc[i + 1] : beyond_everything);
     std::size_t j = begin_of(i, lanes);
     const Vector first = hn::Load(d, pairs.arc + j);
-    Vector k_0 = hn::IfThenZeroElse(hn::FirstN(d, i + 1 - j), gaussian(hn::Sub(first, arc_0)));
-    Vector k_1 = hn::IfThenZeroElse(hn::FirstN(d, i + 2 - j), gaussian(hn::Sub(first, arc_1)));
+    Vector k_0 = hn::IfThenZeroElse(hn::FirstN(d, i + 1 - j), gaussian(d, hn::Sub(first, arc_0), reach));
+    Vector k_1 = hn::IfThenZeroElse(hn::FirstN(d, i + 2 - j), gaussian(d, hn::Sub(first, arc_1), reach));
     Vector row_sum_0 = k_0;
     Vector row_sum_1 = k_1;
     while (true) {
@@ -104,8 +99,8 @@ void gaussian_sums(const Pairs& pairs, double* HWY_RESTRICT kernel, double* HWY_
       j += lanes;
       if (j >= pairs.ends[i / 2]) { break; }
       const Vector arc_j = hn::Load(d, pairs.arc + j);
-      k_0 = gaussian(hn::Sub(arc_j, arc_0));
-      k_1 = gaussian(hn::Sub(arc_j, arc_1));
+      k_0 = gaussian(d, hn::Sub(arc_j, arc_0), reach);
+      k_1 = gaussian(d, hn::Sub(arc_j, arc_1), reach);
       row_sum_0 = hn::Add(row_sum_0, k_0);
       row_sum_1 = hn::Add(row_sum_1, k_1);
     }

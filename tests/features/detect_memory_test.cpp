@@ -45,12 +45,14 @@ namespace {
 
 TEST(Detector, AllocatesNothingOnceItHasSeenAScanOfTheSize) {
   Scan scan{.beams = {.angle_min = -1.5, .angle_step = 0.01, .range_max = 30}};
-  for (int i = 0; i < 361; ++i) { scan.ranges.push_back(3.0 + (std::sin(0.2 * i) > 0.3 ? 1.0 : 0.0)); }
+  for (int i = 0; i < 361; ++i) {
+    scan.ranges.push_back(3.0 + 0.5 * std::abs(std::sin(0.05 * i)) + (std::sin(0.07 * i) > 0.3 ? 1.5 : 0.0));
+  }
   for (const DetectorParams& params : {DetectorParams{CurvatureParams{}}, DetectorParams{RangeParams{}},
                                        DetectorParams{NormalEdgeParams{}}, DetectorParams{NormalBlobParams{}}}) {
     Detector detector(params);
     const std::size_t found = detector.detect(scan).size();
-    EXPECT_GT(found, 0U);
+    EXPECT_GT(found, 0U) << detector_name(params);
     const std::size_t before = allocations;
     EXPECT_EQ(detector.detect(scan).size(), found);
     EXPECT_EQ(allocations, before) << detector_name(params);
