@@ -24,15 +24,6 @@ Point2 rotated(Point2 v, Point2 rotation) {
 
 }  // namespace
 
-Occupancy occupancy(std::uint32_t hits, std::uint32_t misses, const BetaGridParams& params) {
-  const bool with_prior = params.estimate == OccupancyEstimate::posterior;
-  const double alpha = hits + (with_prior ? params.prior_hits : 0.0);
-  const double beta = misses + (with_prior ? params.prior_misses : 0.0);
-  const double sum = alpha + beta;
-  if (sum == 0) { return {0.5, 1.0 / 12.0}; }
-  return {alpha / sum, alpha * beta / (sum * sum * (sum + 1.0))};
-}
-
 BetaGrid::BetaGrid(const BetaGridParams& params)
     : params_(params),
       stride_((params.angular_bins + beta_grid_kernel::lanes - 1) / beta_grid_kernel::lanes * beta_grid_kernel::lanes) {

@@ -62,7 +62,14 @@ struct Occupancy {
 /// Mean and variance of one bin (P1 eq 9 and 10, P2 eq 16 and 17); variance αβ / ((α + β)² (α + β + 1)), with the prior
 /// for the posterior, without it for the raw ratio, where an unobserved bin has the variance of the uniform
 /// distribution, 1/12.
-[[nodiscard]] Occupancy occupancy(std::uint32_t hits, std::uint32_t misses, const BetaGridParams& params);
+[[nodiscard]] inline Occupancy occupancy(std::uint32_t hits, std::uint32_t misses, const BetaGridParams& params) {
+  const bool with_prior = params.estimate == OccupancyEstimate::posterior;
+  const double alpha = hits + (with_prior ? params.prior_hits : 0.0);
+  const double beta = misses + (with_prior ? params.prior_misses : 0.0);
+  const double sum = alpha + beta;
+  if (sum == 0) { return {0.5, 1.0 / 12.0}; }
+  return {alpha / sum, alpha * beta / (sum * sum * (sum + 1.0))};
+}
 
 /// Counts, per bin of one keypoint's tessellation, the beams that end in it (hits) and those that pass (misses). A beam
 /// passes a bin if the part of its course that lies in the bin has a positive length and it does not end in the bin; a

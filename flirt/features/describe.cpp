@@ -19,13 +19,14 @@ Descriptors empty_rows(std::uint32_t dimension, std::size_t count) {
   return descriptors;
 }
 
-/// Rounded only once to float, so that rows sum to 1 as nearly as floats can.
+/// Normalises in double and rounds once; uniform when there is nothing to normalise.
 void write_row(Descriptors& descriptors, std::size_t i, std::span<const double> values, double sum) {
   float* const row = descriptors.rows.data() + i * descriptors.stride;
   float* const roots = descriptors.roots.data() + i * descriptors.stride;
-  const double uniform = 1.0 / static_cast<double>(values.size());
+  const double factor = sum > 0 ? 1.0 / sum : 0.0;
+  const double constant = sum > 0 ? 0.0 : 1.0 / static_cast<double>(values.size());
   for (std::size_t k = 0; k < values.size(); ++k) {
-    row[k] = static_cast<float>(sum > 0 ? values[k] / sum : uniform);
+    row[k] = static_cast<float>(factor * values[k] + constant);
     roots[k] = std::sqrt(row[k]);
   }
 }
@@ -51,9 +52,8 @@ Descriptors rows_of(BetaGrid& grid, const BeamFan& fan, std::span<const Keypoint
     }
     write_row(descriptors, i, mean, sum);
     float* const variances = descriptors.variances.data() + i * descriptors.stride;
-    for (std::size_t k = 0; k < mean.size() && sum > 0; ++k) {
-      variances[k] = static_cast<float>(variance[k] / (sum * sum));
-    }
+    const double factor = sum > 0 ? 1.0 / (sum * sum) : 0.0;
+    for (std::size_t k = 0; k < mean.size(); ++k) { variances[k] = static_cast<float>(factor * variance[k]); }
     if (trace == nullptr) { continue; }
     append(trace->hits, grid.hits());
     append(trace->misses, grid.misses());
