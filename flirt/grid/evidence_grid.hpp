@@ -75,7 +75,7 @@ class EvidenceGrid {
 
   /// Counts each beam of `scan` with a reading in [range_min, range_max): one pass for each cell before its end cell,
   /// one hit there. Beams without a return leave no evidence: how far they were free is not known. The pose must be
-  /// finite and within 10⁷ m. O(cells crossed), about 1 ns each.
+  /// finite and within 10⁷ m. O(cells crossed).
   void add(const Scan& scan, const Pose2& map_from_sensor);
 
   /// Takes back an earlier `add` of the same scan at the same pose; the grid then equals one that never had it, unless

@@ -3,7 +3,6 @@
 //
 //   const MapFields fields = map_fields(grid);                       // once a map
 //   const std::vector<ScoredPose> poses = search(fields, scan);      // any number of threads may ask
-//   const double confidence = poses.empty() ? 0 : confidence_of(poses, points);
 #pragma once
 
 #include "flirt/core/fields.hpp"
