@@ -21,7 +21,7 @@ struct RayHit {
 
 /// Answers rays against a plan that does not change. Surfaces are what the plan says, to 1e-9 m: ends belong to their
 /// segments, a ray along a segment meets its nearer end, and a ray that starts on a segment, within a disc or within an
-/// occupied pixel has range 0. About 50 ns a ray in an office, whatever the size of the building.
+/// occupied pixel has range 0. O(cells on the way): some 0.15 µs a ray in an office, whatever its size.
 class RayCaster {
  public:
   explicit RayCaster(const FloorPlan& plan);
