@@ -186,12 +186,32 @@ std::vector<Point2> moved_keypoints(const Features& features, const Pose2& plan_
   return points;
 }
 
-/// Scan, keypoints and sensor of one side.
-void draw_side(svg::Plan& plan, const Side& side, const Pose2& plan_from_sensor, svg::Colour colour,
+struct Box {
+  Point2 low{};
+  Point2 high{};
+
+  [[nodiscard]] double width() const { return high.x - low.x; }
+  [[nodiscard]] double height() const { return high.y - low.y; }
+  [[nodiscard]] double larger_side() const { return std::max(width(), height()); }
+};
+
+/// Around the points; a point at the origin for none.
+Box box_of(const std::vector<Point2>& points) {
+  if (points.empty()) { return {}; }
+  Box box{points.front(), points.front()};
+  for (const Point2 point : points) {
+    box.low = {std::min(box.low.x, point.x), std::min(box.low.y, point.y)};
+    box.high = {std::max(box.high.x, point.x), std::max(box.high.y, point.y)};
+  }
+  return box;
+}
+
+/// Scan, keypoints (circles of `radius` metres) and sensor of one side.
+void draw_side(svg::Plan& plan, const Side& side, const Pose2& plan_from_sensor, double radius, svg::Colour colour,
                const std::string& name) {
-  plan.layers.emplace_back(svg::Points{moved_points(side.scan, plan_from_sensor), colour, 1.1, 1.0, name});
+  plan.layers.emplace_back(svg::Points{moved_points(side.scan, plan_from_sensor), colour, 1.0, 1.0, name});
   svg::Circles circles{.colour = colour, .width = 1.2};
-  for (const Point2 at : moved_keypoints(side.features, plan_from_sensor)) { circles.circles.push_back({at, 0.12}); }
+  for (const Point2 at : moved_keypoints(side.features, plan_from_sensor)) { circles.circles.push_back({at, radius}); }
   plan.layers.emplace_back(std::move(circles));
   plan.layers.emplace_back(svg::Robots{.map_from_robot = {plan_from_sensor}, .colour = colour});
 }
@@ -209,18 +229,16 @@ bool is_inlier(const Match& match, const Alignment& alignment) {
   });
 }
 
-/// P1 Fig. 1: both scans beside each other, turned alike, inliers as lines, the other candidates faint.
+/// P1 Fig. 1: the query, turned like the reference, beside it or, where that gives the larger picture, below it;
+/// inliers as lines, the other candidates faint.
 svg::Plan correspondences_plan(const Outcome& outcome) {
   const double turn = outcome.alignment ? outcome.alignment->reference_from_query.theta : 0.0;
-  const std::vector<Point2> reference_points = moved_points(outcome.reference.scan, {});
-  const std::vector<Point2> query_points = moved_points(outcome.query.scan, {0.0, 0.0, turn});
-  const auto by_x = [](Point2 a, Point2 b) { return a.x < b.x; };
-  double offset = 0.0;
-  if (!reference_points.empty() && !query_points.empty()) {
-    offset =
-        std::ranges::max_element(reference_points, by_x)->x - std::ranges::min_element(query_points, by_x)->x + 1.0;
-  }
-  const Pose2 plan_from_query{offset, 0.0, turn};
+  const Box reference_box = box_of(moved_points(outcome.reference.scan, {}));
+  const Box query_box = box_of(moved_points(outcome.query.scan, {0.0, 0.0, turn}));
+  const double gap = 0.05 * std::max(reference_box.larger_side(), query_box.larger_side());
+  const bool below = reference_box.width() + query_box.width() > reference_box.height() + query_box.height();
+  const Pose2 plan_from_query = below ? Pose2{0.0, reference_box.low.y - query_box.high.y - gap, turn}
+                                      : Pose2{reference_box.high.x - query_box.low.x + gap, 0.0, turn};
   const std::vector<Point2> from = moved_keypoints(outcome.query.features, plan_from_query);
   const std::vector<Point2> to = moved_keypoints(outcome.reference.features, {});
 
@@ -243,8 +261,9 @@ svg::Plan correspondences_plan(const Outcome& outcome) {
     lines.legend = "inliers";
     plan.layers.emplace_back(std::move(lines));
   }
-  draw_side(plan, outcome.reference, {}, svg::blue, "reference");
-  draw_side(plan, outcome.query, plan_from_query, svg::vermilion, "query");
+  const double radius = 0.2 * gap;
+  draw_side(plan, outcome.reference, {}, radius, svg::blue, "reference");
+  draw_side(plan, outcome.query, plan_from_query, radius, svg::vermilion, "query");
   return plan;
 }
 
@@ -254,8 +273,9 @@ svg::Figure figure_of(const Options& options, const Outcome& outcome) {
                      .panel_width = 640};
   if (outcome.alignment) {
     svg::Plan plan{.title = "The query in the frame of the reference"};
-    draw_side(plan, outcome.reference, {}, svg::blue, "reference");
-    draw_side(plan, outcome.query, outcome.alignment->reference_from_query, svg::vermilion, "query");
+    const double radius = 0.01 * box_of(moved_points(outcome.reference.scan, {})).larger_side();
+    draw_side(plan, outcome.reference, {}, radius, svg::blue, "reference");
+    draw_side(plan, outcome.query, outcome.alignment->reference_from_query, radius, svg::vermilion, "query");
     figure.panels.emplace_back(std::move(plan));
   }
   return figure;

@@ -16,8 +16,8 @@ using Vector = hn::Vec<Tag>;
 constexpr double round_to_integer = 0x1.8p52;  // adding it leaves an integer in the low bits
 constexpr double smallest_exponent = -1000.0;
 
-/// 2^(n + f) with a relative error below 1e-10: a polynomial for 2^f, |f| ≤ ½, and n added to its exponent. `shifted` is
-/// n + round_to_integer. Wrong for n < smallest_exponent.
+/// 2^(n + f) with a relative error below 1e-10: a polynomial for 2^f, |f| ≤ ½, and n added to its exponent. `shifted`
+/// is n + round_to_integer. Wrong for n < smallest_exponent.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V exp2_of_rounded(D d, V f, V shifted) {
   const V f2 = hn::Mul(f, f);
