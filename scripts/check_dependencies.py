@@ -14,10 +14,12 @@ ALLOWED = {
     "grid": {"core"},
     "registration": {"core", "grid"},
     "map": {"core", "features", "match", "grid", "registration"},
+    "graph": {"core"},
+    "slam": {"core", "features", "match", "grid", "registration", "map", "graph"},
     "sim": {"core", "grid"},
-    "eval": {"core", "features", "match", "grid", "registration", "map"},
-    "io": {"core", "features", "match", "grid", "registration", "map", "eval", "sim"},
-    "report": {"core", "features", "match", "grid", "registration", "map", "eval", "io"},
+    "eval": {"core", "features", "match", "grid", "registration", "map", "graph", "slam"},
+    "io": {"core", "features", "match", "grid", "registration", "map", "graph", "slam", "eval", "sim"},
+    "report": {"core", "features", "match", "grid", "registration", "map", "graph", "slam", "eval", "io"},
 }
 # These also compile where there is no file system: no files, no text parsing, no exceptions.
 PURE = {"core", "features", "match", "grid", "registration", "map"}
