@@ -9,6 +9,7 @@
 
 #include "apps/flirt/command.hpp"
 #include "apps/flirt/feature_flags.hpp"
+#include "apps/flirt/localize_flags.hpp"
 
 #include <fmt/format.h>
 
@@ -24,6 +25,7 @@ struct Options {
   std::string out;
   std::string protocol{"paper"};
   FeatureFlags features;
+  LocalizeFlags localize;
   LocalizationBenchParams bench;
   ParamFlags params;
 };
@@ -83,9 +85,14 @@ nlohmann::ordered_json bench_json(const Options& options, const Session& session
                      {"describe", bench.times.describe_median},
                      {"per_query_median", bench.times.per_query_median},
                      {"per_query_p95", bench.times.per_query_p95},
-                     {"per_pair", bench.times.per_pair}};
+                     {"per_pair", bench.times.per_pair},
+                     {"search", bench.times.search_median},
+                     {"rank", bench.times.rank_median},
+                     {"refine", bench.times.refine_median},
+                     {"prepare", bench.times.prepare_median}};
   json["map_scans"] = bench.map_scans;
   json["every"] = options.bench.every;
+  json["method"] = bench.revisit ? options.localize.method() : "papers";
   json["params"] = options.params.json();
   json["seed"] = session.seed;
   json.update(provenance());
@@ -104,6 +111,21 @@ std::string queries_csv(const LocalizationBench& bench) {
       csv += ",,,,,,,";
     }
     csv += fmt::format("{},{}\n", answer.verdict, answer.correct ? 1 : 0);
+  }
+  return csv;
+}
+
+/// What the confidence was computed from, one line per query: to fit it, or to ask why.
+std::string evidence_csv(const LocalizationBench& bench) {
+  std::string csv =
+      "query,answerable,correct,precise,verdict,reason,confidence,points,margin,score,likelihood,free,unknown,through,"
+      "near,residual\n";
+  for (const LocalizationAnswer& answer : bench.answers) {
+    const EvidenceScore& score = answer.evidence;
+    csv += fmt::format("{},{},{},{},{},{},{:.6g},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.5f}\n",
+                       answer.query, answer.answerable ? 1 : 0, answer.correct ? 1 : 0, answer.precise ? 1 : 0,
+                       answer.verdict, answer.reason, answer.confidence, answer.points, answer.margin, score.total,
+                       score.likelihood, score.free, score.unknown, score.through, score.near, score.residual);
   }
   return csv;
 }
@@ -184,7 +206,11 @@ std::vector<std::vector<std::string>> time_rows(const LocalizationBench& bench) 
           {"describe its keypoints, median", us(bench.times.describe_median)},
           {"one query against the map, median", us(bench.times.per_query_median)},
           {"one query against the map, 95th percentile", us(bench.times.per_query_p95)},
-          {"match one pair of scans, mean", us(bench.times.per_pair)}};
+          {"  keypoints against all map scans, a pair, mean", us(bench.times.per_pair)},
+          {"  coarse candidates, median", us(bench.times.search_median)},
+          {"  candidates ranked by their beams, median", us(bench.times.rank_median)},
+          {"  refinement, score, verdict, median", us(bench.times.refine_median)},
+          {"neighbours taken out of the map (protocol only)", us(bench.times.prepare_median)}};
 }
 
 const std::vector<std::string> strategy_header{"strategy", "p_GL: correct of all [Wilson 95 %]", "by blocks",
@@ -199,7 +225,7 @@ void print(const Options& options, const LocalizationBench& bench) {
   if (bench.revisit) {
     for (const auto& row : revisit_rows(*bench.revisit)) { fmt::print("  {:<34} {}\n", row[0], row[1]); }
   }
-  for (const auto& row : time_rows(bench)) { fmt::print("  {:<43} {:>9} µs\n", row[0], row[1]); }
+  for (const auto& row : time_rows(bench)) { fmt::print("  {:<47} {:>9} µs\n", row[0], row[1]); }
 }
 
 std::string report(const Options& options, const LocalizationBench& bench, const ScanLog& log) {
@@ -233,7 +259,7 @@ std::string report(const Options& options, const LocalizationBench& bench, const
 int run(Options& options, const Session& session) {
   options.params.resolve(session.config);
   options.bench.seed = session.seed;
-  options.bench.localize.ransac.seed = session.seed;
+  options.bench.localize = options.localize.localize(session.seed);
   options.bench.protocol = options.protocol == "revisit" ? LocalizationProtocol::revisit : LocalizationProtocol::paper;
   const LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
   if (loaded.log.map_from_robot.empty()) {
@@ -247,6 +273,7 @@ int run(Options& options, const Session& session) {
   if (!options.out.empty()) {
     const std::filesystem::path out = value_or_quit(folder_for_results(options.out));
     value_or_quit(write_file_atomically(out / "queries.csv", queries_csv(bench)));
+    if (bench.revisit) { value_or_quit(write_file_atomically(out / "evidence.csv", evidence_csv(bench))); }
     value_or_quit(write_file_atomically(out / "localization.json", json.dump(2) + "\n"));
     const svg::Figure curves = bench.revisit ? revisit_figure(*bench.revisit) : strategies_figure(bench);
     value_or_quit(write_file_atomically(out / "localization.svg", svg::to_svg(curves)));
@@ -272,11 +299,9 @@ void add_bench_localization(CLI::App& bench, Session& session) {
   command->add_option("--every", options->bench.every, "query every K-th scan (default 1)")
       ->check(CLI::Range(1, 1000000));
   command->add_option("-o,--output", options->out,
-                      "folder for localization.json, queries.csv, localization.svg and report.html");
+                      "folder for localization.json, queries.csv, evidence.csv, localization.svg and report.html");
   options->features.add(*command, options->params);
-  options->params.add(*command, "localize", options->bench.localize);
-  options->params.add(*command, "match", options->bench.localize.match);
-  options->params.add(*command, "ransac", options->bench.localize.ransac);
+  options->localize.add(*command, options->params);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

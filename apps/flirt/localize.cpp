@@ -7,6 +7,7 @@
 #include "flirt/io/log.hpp"
 
 #include "apps/flirt/command.hpp"
+#include "apps/flirt/localize_flags.hpp"
 #include "apps/flirt/localize_report.hpp"
 
 #include <fmt/format.h>
@@ -31,6 +32,7 @@ struct Options {
   std::string out;
   bool summary_only{false};
   bool samples{false};
+  LocalizeFlags flags;
   LocalizeParams localize;
   ParamFlags params;
 };
@@ -53,64 +55,89 @@ std::vector<std::size_t> queries(const Options& options, std::size_t scans) {
   return all;
 }
 
-nlohmann::ordered_json hypothesis_json(const Hypothesis& hypothesis) {
-  const Pose2& pose = hypothesis.map_from_sensor;
-  std::vector<double> covariance;
+nlohmann::ordered_json pose_json(const Pose2& pose, const Eigen::Matrix3d& covariance) {
+  std::vector<double> entries;
+  entries.reserve(9);
   for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) { covariance.push_back(hypothesis.covariance(row, column)); }
+    for (int column = 0; column < 3; ++column) { entries.push_back(covariance(row, column)); }
   }
-  return {{"x", pose.x},
-          {"y", pose.y},
-          {"theta", pose.theta},
-          {"covariance", covariance},
-          {"score", hypothesis.score},
-          {"weight", hypothesis.weight},
-          {"score", hypothesis.score},
-          {"inliers", hypothesis.inliers},
-          {"residual", hypothesis.residual},
-          {"map_scan", hypothesis.map_scan}};
+  return {{"x", pose.x}, {"y", pose.y}, {"theta", pose.theta}, {"covariance", entries}};
 }
 
-/// The match that stands for the place, with what all matches of the place say together.
-nlohmann::ordered_json place_json(const Place& place, const LocalizationResult& result) {
-  nlohmann::ordered_json json = hypothesis_json(result.hypotheses[place.hypothesis]);
-  json["weight"] = place.weight;
+nlohmann::ordered_json hypothesis_json(const PoseHypothesis& hypothesis) {
+  nlohmann::ordered_json json = pose_json(hypothesis.map_from_sensor, hypothesis.covariance);
+  json["score"] = hypothesis.score;
+  json["weight"] = hypothesis.weight;
+  const EvidenceScore& evidence = hypothesis.evidence;
+  json["evidence"] = {{"likelihood", evidence.likelihood}, {"free", evidence.free}, {"unknown", evidence.unknown},
+                      {"through", evidence.through},       {"near", evidence.near}, {"residual", evidence.residual}};
+  return json;
+}
+
+/// A place by the papers' method: the match that stands for it, with what all matches of the place say together.
+nlohmann::ordered_json place_json(const PoseHypothesis& hypothesis, const Place& place, const SolutionSet& set) {
+  nlohmann::ordered_json json = pose_json(hypothesis.map_from_sensor, hypothesis.covariance);
+  const Hypothesis& best = set.hypotheses[place.hypothesis];
+  json["score"] = hypothesis.score;
+  json["weight"] = hypothesis.weight;
+  json["inliers"] = best.inliers;
+  json["residual"] = best.residual;
+  json["map_scan"] = best.map_scan;
   json["support"] = place.support;
+  return json;
+}
+
+nlohmann::ordered_json sample_json(const Hypothesis& sample) {
+  nlohmann::ordered_json json = pose_json(sample.map_from_sensor, sample.covariance);
+  json["weight"] = sample.weight;
+  json["inliers"] = sample.inliers;
+  json["residual"] = sample.residual;
+  json["map_scan"] = sample.map_scan;
   return json;
 }
 
 nlohmann::ordered_json answer_json(std::size_t scan, const LocalizationResult& result, const LocalizeTimes& times,
                                    const Options& options) {
-  nlohmann::ordered_json json{
-      {"scan", scan},
-      {"verdict", to_string(result.verdict)},
-      {"reason", to_string(result.reason)},
-      {"confidence", result.confidence},
-      {"time_us", times.detect_us + times.describe_us + times.match_us},
-      {"stages_us", {{"detect", times.detect_us}, {"describe", times.describe_us}, {"match", times.match_us}}},
-      {"hypotheses", nlohmann::ordered_json::array()}};
-  for (const Place& place : result.places) { json["hypotheses"].push_back(place_json(place, result)); }
+  nlohmann::ordered_json json{{"scan", scan},
+                              {"verdict", to_string(result.verdict)},
+                              {"reason", to_string(result.reason)},
+                              {"confidence", result.confidence},
+                              {"points", result.points},
+                              {"time_us", times.total_us()},
+                              {"stages_us",
+                               {{"detect", times.detect_us},
+                                {"describe", times.describe_us},
+                                {"match", times.match_us},
+                                {"search", times.search_us},
+                                {"rank", times.rank_us},
+                                {"refine", times.refine_us}}},
+                              {"hypotheses", nlohmann::ordered_json::array()}};
+  for (std::size_t i = 0; i < result.hypotheses.size(); ++i) {
+    const PoseHypothesis& hypothesis = result.hypotheses[i];
+    json["hypotheses"].push_back(result.solution_set
+                                     ? place_json(hypothesis, result.solution_set->places[i], *result.solution_set)
+                                     : hypothesis_json(hypothesis));
+  }
   if (options.samples) {
     json["samples"] = nlohmann::ordered_json::array();
-    for (const Hypothesis& sample : result.hypotheses) { json["samples"].push_back(hypothesis_json(sample)); }
+    for (const Hypothesis& sample : result.solution_set->hypotheses) { json["samples"].push_back(sample_json(sample)); }
   }
   return json;
 }
 
 /// One line for people; `truth` is the log's own pose, where it has one.
 std::string answer_line(std::size_t scan, const LocalizationResult& result, const std::optional<Pose2>& truth) {
-  const std::string verdict = fmt::format("scan {:>5}  {:<9}", scan, to_string(result.verdict));
-  const Hypothesis* best = result.best();
-  if (best == nullptr) { return verdict + "  " + std::string(to_string(result.reason)); }
-  const Pose2& pose = best->map_from_sensor;
-  std::string line = fmt::format(
-      "{}  x {:8.3f} m  y {:8.3f} m  {:7.2f} deg  {:2} inliers  {:3} map scans  confidence {:.2f}", verdict, pose.x,
-      pose.y, degrees_from_radians(pose.theta), best->inliers, result.places.front().support, result.confidence);
-  if (truth) {
-    line += fmt::format("  {:.3f} m {:.2f} deg from the log's pose", distance(pose, *truth),
-                        degrees_from_radians(heading_difference(pose, *truth)));
+  std::string line = fmt::format("scan {:>5}  {:<9}", scan, to_string(result.verdict));
+  if (const PoseHypothesis* best = result.best(); best != nullptr) {
+    const Pose2& pose = best->map_from_sensor;
+    line += fmt::format("  x {:8.3f} m  y {:8.3f} m  {:7.2f} deg  confidence {:.3f}", pose.x, pose.y,
+                        degrees_from_radians(pose.theta), result.confidence);
+    if (truth) {
+      line += fmt::format("  {:.3f} m {:.2f} deg from the log's pose", distance(pose, *truth),
+                          degrees_from_radians(heading_difference(pose, *truth)));
+    }
   }
-  return line;
+  return result.verdict == Verdict::unique ? line : line + "  " + std::string(to_string(result.reason));
 }
 
 std::optional<Pose2> pose_in_log(const ScanLog& log, std::size_t scan) {
@@ -119,7 +146,10 @@ std::optional<Pose2> pose_in_log(const ScanLog& log, std::size_t scan) {
 
 void check_options(const Options& options, const PlaceMap& map) {
   if (!options.svg.empty() && !options.scan) { throw UsageError("--svg: expected --scan with it, to show one scan"); }
-  if (options.localize.match.distance == Distance::variance_chi_square && !map.has_variances()) {
+  if (options.samples && options.localize.method != LocalizeMethod::papers) {
+    throw UsageError("--samples: expected --method papers with it, whose matches are the samples");
+  }
+  if (options.localize.papers.match.distance == Distance::variance_chi_square && !map.has_variances()) {
     throw UsageError("--match-distance variance-chi-square: expected a map with variances (flirt map --variances)");
   }
 }
@@ -139,14 +169,14 @@ std::vector<Answer> answers(const Options& options, const PlaceMap& map, const S
         LocalizeTimes times;
         const std::size_t scan = scans[k];
         const LocalizationResult result = localizers[thread]->localize(log.scans[scan], {}, &times);
-        const Hypothesis* best = result.best();
+        const PoseHypothesis* best = result.best();
         Answer& answer = found[k];
         answer.outcome = {.scan = scan,
                           .verdict = result.verdict,
                           .map_from_sensor = best != nullptr ? std::optional(best->map_from_sensor) : std::nullopt,
                           .pose_in_log = pose_in_log(log, scan),
-                          .time_us = times.detect_us + times.describe_us + times.match_us};
-        answer.places = result.places.size();
+                          .time_us = times.total_us()};
+        answer.places = result.hypotheses.size();
         answer.line = answer_line(scan, result, answer.outcome.pose_in_log);
         answer.json = answer_json(scan, result, times, options);
       },
@@ -197,7 +227,7 @@ void write_pictures(const Options& options, const PlaceMap& map, const ScanLog& 
 
 int run(Options& options, const Session& session) {
   options.params.resolve(session.config);
-  options.localize.ransac.seed = session.seed;
+  options.localize = options.flags.localize(session.seed);
   const PlaceMap map = value_or_quit(read_place_map(options.map));
   check_options(options, map);
   const LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
@@ -208,6 +238,7 @@ int run(Options& options, const Session& session) {
     outcomes.push_back(answer.outcome);
     json["queries"].push_back(answer.json);
   }
+  json["method"] = options.flags.method();
   json["params"] = options.params.json();
   json["seed"] = session.seed;
   json.update(provenance());
@@ -240,10 +271,8 @@ void add_localize(CLI::App& program, Session& session) {
   command->add_option("-o,--output", options->out, "folder for report.html: success, times, and pictures");
   command->add_flag("--summary", options->summary_only, "print the summary alone, not a line for each scan");
   command->add_flag("--samples", options->samples,
-                    "add every match to the JSON: weighted samples of p(pose | scan, map), for a particle filter");
-  options->params.add(*command, "localize", options->localize);
-  options->params.add(*command, "match", options->localize.match);
-  options->params.add(*command, "ransac", options->localize.ransac);
+                    "with --method papers, add every match to the JSON: weighted samples of p(pose | scan, map)");
+  options->flags.add(*command, options->params);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

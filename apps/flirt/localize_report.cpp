@@ -13,6 +13,7 @@
 namespace flirt::app {
 namespace {
 
+constexpr double least_shown_weight = 0.01;
 constexpr double right_distance = 0.5;                      // m
 constexpr double right_heading = radians_from_degrees(10);  // rad
 
@@ -114,7 +115,7 @@ std::string localization_picture(std::vector<Point2> points, const Scan& scan, c
   svg::Plan plan{.title = title};
   plan.layers.emplace_back(
       svg::Points{.at = std::move(points), .colour = svg::grey, .radius = 0.5, .opacity = 0.5, .legend = "map"});
-  if (const Hypothesis* best = result.best(); best != nullptr) {
+  if (const PoseHypothesis* best = result.best(); best != nullptr) {
     svg::Points ends{.colour = svg::blue, .radius = 1.0, .legend = "scan at the best pose"};
     for (const BeamPoint& end : hit_points(scan)) { ends.at.push_back(best->map_from_sensor * end.point); }
     plan.layers.emplace_back(std::move(ends));
@@ -124,8 +125,8 @@ std::string localization_picture(std::vector<Point2> points, const Scan& scan, c
         .map_from_robot = {*pose_in_log}, .colour = svg::black, .length = 0.8, .legend = "pose in the log"});
   }
   svg::Robots poses{.colour = svg::vermilion, .length = 0.6, .legend = "hypotheses"};
-  for (const Place& place : result.places) {
-    poses.map_from_robot.push_back(result.hypotheses[place.hypothesis].map_from_sensor);
+  for (const PoseHypothesis& hypothesis : result.hypotheses) {
+    if (hypothesis.weight >= least_shown_weight) { poses.map_from_robot.push_back(hypothesis.map_from_sensor); }
   }
   plan.layers.emplace_back(std::move(poses));
   return svg::to_svg({.panels = {plan}, .panel_width = 1000});

@@ -3,6 +3,8 @@
 #include "flirt/core/assert.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <numeric>
 
@@ -79,7 +81,7 @@ void judge_solution_set(const LocalizationResult& result, std::size_t query, con
   for (std::size_t s = 0; s < strategies.size(); ++s) {
     for (std::size_t k = 0; k < n_min_count; ++k) {
       const auto n_min = static_cast<std::uint32_t>(n_min_first + k);
-      const Hypothesis* best = pick_best(result.hypotheses, n_min, strategies[s], truth, params);
+      const Hypothesis* best = pick_best(result.solution_set->hypotheses, n_min, strategies[s], truth, params);
       const LocalizationAnswer answer = answer_from(best, query, to_string(strategies[s]), truth, result, params);
       outcome.picks[s][k] = {answer.answered, answer.correct};
       if (k == 0) {
@@ -90,11 +92,30 @@ void judge_solution_set(const LocalizationResult& result, std::size_t query, con
   }
 }
 
-void judge_verdict(const LocalizationResult& result, std::size_t query, const Pose2& truth,
-                   const LocalizationBenchParams& params, Outcome& outcome) {
-  const Hypothesis* best = result.best();
-  outcome.answers.push_back(answer_from(best, query, "localize", truth, result, params));
-  outcome.answers.back().confidence = result.confidence;
+void judge_verdict(const LocalizationResult& result, const PlaceMap& map, std::size_t query, ScanInterval excluded,
+                   const Pose2& truth, const LocalizationBenchParams& params, Outcome& outcome) {
+  LocalizationAnswer answer{
+      .query = query, .strategy = "localize", .verdict = to_string(result.verdict), .reason = to_string(result.reason)};
+  if (const PoseHypothesis* best = result.best(); best != nullptr) {
+    answer.answered = true;
+    answer.reference = nearest_scan(map, best->map_from_sensor, excluded).value_or(0);
+    answer.map_from_sensor = best->map_from_sensor;
+    answer.confidence = result.confidence;
+    answer.correct = within(best->map_from_sensor, truth, params.correct_distance, params.correct_heading);
+    answer.precise = within(best->map_from_sensor, truth, params.precise_distance, params.precise_heading);
+    answer.points = result.points;
+    answer.evidence = best->evidence;
+    answer.margin = result.hypotheses.size() > 1 ? best->score - result.hypotheses[1].score
+                                                 : std::numeric_limits<double>::infinity();
+    if (result.solution_set) {
+      answer.inliers = result.solution_set->best()->inliers;
+      answer.residual = result.solution_set->best()->residual;
+    } else {
+      answer.inliers = static_cast<std::uint32_t>(std::lround(best->evidence.near * result.points));
+      answer.residual = best->evidence.residual;
+    }
+  }
+  outcome.answers.push_back(answer);
 }
 
 std::vector<std::uint32_t> bootstrap_blocks(const ScanLog& log, std::span<const std::size_t> queries, double length) {
@@ -156,21 +177,24 @@ RevisitSummary revisit_summary(std::span<const LocalizationAnswer> answers, std:
 }
 
 LocalizationTimes summarise_times(std::span<const Outcome> outcomes, std::size_t pairs) {
-  std::vector<double> detect;
-  std::vector<double> describe;
-  std::vector<double> total;
+  const auto over_queries = [outcomes](double q, const auto& time_of) {
+    std::vector<double> times;
+    times.reserve(outcomes.size());
+    for (const Outcome& outcome : outcomes) { times.push_back(time_of(outcome.times)); }
+    return quantile(std::move(times), q);
+  };
   double match = 0;
-  for (const Outcome& outcome : outcomes) {
-    detect.push_back(outcome.times.detect_us);
-    describe.push_back(outcome.times.describe_us);
-    total.push_back(outcome.times.detect_us + outcome.times.describe_us + outcome.times.match_us);
-    match += outcome.times.match_us;
-  }
-  return {.detect_median = quantile(detect, 0.5),
-          .describe_median = quantile(describe, 0.5),
-          .per_query_median = quantile(total, 0.5),
-          .per_query_p95 = quantile(total, 0.95),
-          .per_pair = pairs == 0 ? 0.0 : match / static_cast<double>(pairs)};
+  for (const Outcome& outcome : outcomes) { match += outcome.times.match_us; }
+  const auto total = [](const LocalizeTimes& times) { return times.total_us(); };
+  return {.detect_median = over_queries(0.5, [](const LocalizeTimes& times) { return times.detect_us; }),
+          .describe_median = over_queries(0.5, [](const LocalizeTimes& times) { return times.describe_us; }),
+          .per_query_median = over_queries(0.5, total),
+          .per_query_p95 = over_queries(0.95, total),
+          .per_pair = pairs == 0 ? 0.0 : match / static_cast<double>(pairs),
+          .search_median = over_queries(0.5, [](const LocalizeTimes& times) { return times.search_us; }),
+          .rank_median = over_queries(0.5, [](const LocalizeTimes& times) { return times.rank_us; }),
+          .refine_median = over_queries(0.5, [](const LocalizeTimes& times) { return times.refine_us; }),
+          .prepare_median = over_queries(0.5, [](const LocalizeTimes& times) { return times.prepare_us; })};
 }
 
 }  // namespace
@@ -194,18 +218,20 @@ LocalizationBench bench_localization(const ScanLog& log, const PlaceMap& map, co
   const std::vector<bool> can_answer =
       revisit ? answerable(log, queries, params.revisit, threads) : std::vector<bool>(queries.size(), true);
 
+  LocalizeParams localize_params = params.localize;
+  if (!revisit) { localize_params.method = LocalizeMethod::papers; }
   std::vector<std::unique_ptr<Localizer>> localizers(thread_count(threads));
   std::vector<Outcome> outcomes(queries.size());
   parallel_for(
       queries.size(), threads,
       [&](std::size_t k, std::size_t thread) {
-        if (!localizers[thread]) { localizers[thread] = std::make_unique<Localizer>(map, params.localize); }
+        if (!localizers[thread]) { localizers[thread] = std::make_unique<Localizer>(map, localize_params); }
         const std::size_t query = queries[k];
         const ScanInterval excluded = revisit ? removed[query] : ScanInterval{query, query + 1};
         const LocalizationResult result = localizers[thread]->localize(log.scans[query], excluded, &outcomes[k].times);
         const Pose2 truth = log.map_from_sensor(query);
         if (revisit) {
-          judge_verdict(result, query, truth, params, outcomes[k]);
+          judge_verdict(result, map, query, excluded, truth, params, outcomes[k]);
         } else {
           judge_solution_set(result, query, truth, params, outcomes[k]);
         }

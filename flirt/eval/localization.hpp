@@ -58,6 +58,10 @@ struct LocalizationAnswer {
   std::uint32_t inliers{0};
   double residual{0};          ///< m²
   std::string_view verdict{};  ///< unique, ambiguous, lost
+  std::string_view reason{};   ///< why
+  std::uint32_t points{0};     ///< end points used; 0 under `paper`, as are the next two
+  double margin{0};            ///< score less that of the second place; infinite without one
+  EvidenceScore evidence{};    ///< terms of the score
   bool correct{false};
   bool precise{false};
 };
@@ -87,9 +91,13 @@ struct RevisitSummary {
 struct LocalizationTimes {
   double detect_median{0};     ///< µs a scan
   double describe_median{0};   ///< µs a scan
-  double per_query_median{0};  ///< µs, detection and description included
+  double per_query_median{0};  ///< µs, everything from the scan to the verdict
   double per_query_p95{0};     ///< µs
-  double per_pair{0};          ///< µs, mean over all query-scan pairs, detection and description excluded
+  double per_pair{0};          ///< µs, mean over all query-scan pairs; 0 unless scans are matched one by one
+  double search_median{0};     ///< µs, coarse candidates
+  double rank_median{0};       ///< µs, candidates ranked by their beams
+  double refine_median{0};     ///< µs, refinement, score, verdict
+  double prepare_median{0};    ///< µs, neighbours taken out of the evidence: not part of a query
 };
 
 struct LocalizationBench {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 #include <span>
+#include <tuple>
+#include <utility>
 
 namespace flirt {
 namespace {
@@ -48,6 +50,34 @@ CellBox tile_box(const Fan& fan) {
 
 }  // namespace
 
+EvidenceGrid::EvidenceGrid(const EvidenceGridParams& params, std::span<const CellIndex> tiles,
+                           std::span<const EvidenceCell> cells)
+    : params_(params) {
+  constexpr std::size_t cells_per_tile = std::tuple_size_v<Cells>;
+  FLIRT_ASSERT(cells.size() == tiles.size() * cells_per_tile);
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    const std::uint32_t place = tile_at(tiles[i]);
+    FLIRT_ASSERT(place == i);
+    Tile& tile = tiles_[place];
+    std::ranges::copy(cells.subspan(i * cells_per_tile, cells_per_tile), tile.cells.begin());
+    for (const EvidenceCell& cell : tile.cells) { tile.counts += std::uint64_t{cell.hits} + cell.passes; }
+  }
+}
+
+EvidenceGrid::SavedTiles EvidenceGrid::save_tiles() const {
+  std::vector<const Tile*> sorted;
+  sorted.reserve(tiles_.size());
+  for (const Tile& tile : tiles_) { sorted.push_back(&tile); }
+  std::ranges::sort(sorted, {}, [](const Tile* tile) { return std::pair(tile->index.y, tile->index.x); });
+  SavedTiles saved;
+  saved.cells.reserve(sorted.size() * std::tuple_size_v<Cells>);
+  for (const Tile* tile : sorted) {
+    saved.tiles.push_back(tile->index);
+    saved.cells.insert(saved.cells.end(), tile->cells.begin(), tile->cells.end());
+  }
+  return saved;
+}
+
 std::uint32_t EvidenceGrid::tile_at(CellIndex index) {
   const auto [entry, fresh] = tile_of_.try_emplace(index, static_cast<std::uint32_t>(tiles_.size()));
   if (fresh) { tiles_.push_back({.index = index}); }
@@ -60,7 +90,7 @@ const EvidenceGrid::Tile* EvidenceGrid::find(CellIndex index) const {
 }
 
 template <EvidenceGrid::Change change>
-void EvidenceGrid::count(const Scan& scan, const Pose2& map_from_sensor) {
+void EvidenceGrid::count_beams(const Scan& scan, const Pose2& map_from_sensor) {
   FLIRT_ASSERT(is_finite(map_from_sensor) && norm(map_from_sensor.translation()) <= 1e7);
   const Fan fan = beam_fan(scan, map_from_sensor, params_);
   const CellBox box = tile_box(fan);
@@ -122,12 +152,27 @@ void EvidenceGrid::drop_empty_tiles() {
 }
 
 void EvidenceGrid::add(const Scan& scan, const Pose2& map_from_sensor) {
-  count<Change::add>(scan, map_from_sensor);
+  count_beams<Change::add>(scan, map_from_sensor);
 }
 
 void EvidenceGrid::remove(const Scan& scan, const Pose2& map_from_sensor) {
-  count<Change::remove>(scan, map_from_sensor);
+  count_beams<Change::remove>(scan, map_from_sensor);
   drop_empty_tiles();
+}
+
+void EvidenceGrid::count(CellIndex index, EvidenceCell evidence) {
+  Tile& tile = tiles_[tile_at(tile_index(index))];
+  EvidenceCell& cell =
+      tile.cells[static_cast<std::size_t>((index.y & (tile_side - 1)) * tile_side + (index.x & (tile_side - 1)))];
+  const auto raise = [&](std::uint16_t& value, std::uint16_t by) {
+    const auto room = static_cast<std::uint16_t>(std::numeric_limits<std::uint16_t>::max() - value);
+    const std::uint16_t counted = std::min(room, by);
+    value = static_cast<std::uint16_t>(value + counted);
+    tile.counts += counted;
+    lost_counts_ += static_cast<std::uint64_t>(by - counted);
+  };
+  raise(cell.hits, evidence.hits);
+  raise(cell.passes, evidence.passes);
 }
 
 EvidenceCell EvidenceGrid::cell(CellIndex index) const {

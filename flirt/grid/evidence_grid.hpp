@@ -72,6 +72,9 @@ class EvidenceGrid {
   static constexpr std::int32_t tile_side = 64;  ///< cells
 
   explicit EvidenceGrid(const EvidenceGridParams& params = {}) : params_(params) {}
+  /// The grid that `save_tiles` took apart: cells of each tile row by row, tile after tile. `cells` holds
+  /// tile_side² · tiles.size() values, and no tile comes twice.
+  EvidenceGrid(const EvidenceGridParams& params, std::span<const CellIndex> tiles, std::span<const EvidenceCell> cells);
 
   /// Counts each beam of `scan` with a reading in [range_min, range_max): one pass for each cell before its end cell,
   /// one hit there. Beams without a return leave no evidence: how far they were free is not known. The pose must be
@@ -96,6 +99,16 @@ class EvidenceGrid {
   [[nodiscard]] std::uint64_t lost_counts() const { return lost_counts_; }
   /// Bytes of the tiles.
   [[nodiscard]] std::size_t bytes() const { return tiles_.size() * sizeof(Tile); }
+
+  /// Indices of all tiles (in tiles) in the order of rows, then columns, and their cells in the same order.
+  struct SavedTiles {
+    std::vector<CellIndex> tiles;
+    std::vector<EvidenceCell> cells;
+  };
+  [[nodiscard]] SavedTiles save_tiles() const;
+
+  /// Adds counts to a cell: for evidence that does not come from scans, such as a grid map.
+  void count(CellIndex index, EvidenceCell evidence);
 
   /// Calls visit(CellIndex first, std::span<const EvidenceCell> row) for each row of each tile, a tile's rows one after
   /// the other, tiles in no particular order.
@@ -122,7 +135,7 @@ class EvidenceGrid {
   enum class Change : std::uint8_t { add, remove };
 
   template <Change change>
-  void count(const Scan& scan, const Pose2& map_from_sensor);
+  void count_beams(const Scan& scan, const Pose2& map_from_sensor);
   [[nodiscard]] std::uint32_t tile_at(CellIndex index);
   [[nodiscard]] const Tile* find(CellIndex index) const;
   void drop_empty_tiles();

@@ -10,6 +10,8 @@
 #include <array>
 #include <bit>
 #include <cstddef>
+#include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <span>
 #include <string>
@@ -23,14 +25,19 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "map files are used in place, so the machine must match");
 static_assert(std::is_trivially_copyable_v<Pose2> && sizeof(Pose2) == 3 * sizeof(double));
+static_assert(std::is_trivially_copyable_v<CellIndex> && sizeof(CellIndex) == 2 * sizeof(std::int32_t));
+static_assert(std::is_trivially_copyable_v<EvidenceCell> && sizeof(EvidenceCell) == 2 * sizeof(std::uint16_t));
 static_assert(std::is_trivially_copyable_v<Beams> && sizeof(Beams) == 4 * sizeof(double));
 
 constexpr std::array<char, 8> magic{'F', 'L', 'I', 'R', 'T', 'M', 'A', 'P'};
 constexpr std::uint32_t byte_order_mark = 0x01020304;
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
 constexpr std::size_t section_alignment = 64;
 constexpr std::string_view shape_section = "descriptor_shape";
 constexpr std::string_view params_section = "feature_params";
+constexpr std::string_view evidence_params_section = "evidence_params";
+constexpr std::string_view evidence_tiles_section = "evidence_tiles";
+constexpr std::string_view evidence_cells_section = "evidence_cells";
 
 struct Header {
   std::array<char, 8> magic_bytes{magic};
@@ -202,6 +209,29 @@ Result<FeatureParams> parse_params(std::span<const char> text) {
   return feature_params_from_json(json);
 }
 
+/// What is wrong with the sections of the evidence; empty when nothing is.
+std::string wrong_evidence(std::span<const double> params, std::span<const CellIndex> tiles,
+                           std::span<const EvidenceCell> cells) {
+  constexpr std::size_t cells_per_tile = std::size_t{EvidenceGrid::tile_side} * EvidenceGrid::tile_side;
+  constexpr std::int32_t farthest = 1 << 24;
+  if (params.size() != 3 || !out_of_range(EvidenceGridParams{params[0], params[1], params[2]}).empty()) {
+    return "section evidence_params: expected cell size, range_min and range_max";
+  }
+  if (cells.size() != tiles.size() * cells_per_tile) {
+    return "section evidence_cells: expected " + std::to_string(tiles.size() * cells_per_tile) + " cells, found " +
+           std::to_string(cells.size());
+  }
+  const auto key = [](CellIndex tile) { return std::pair(tile.y, tile.x); };
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    const CellIndex tile = tiles[i];
+    if (std::abs(std::int64_t{tile.x}) > farthest || std::abs(std::int64_t{tile.y}) > farthest ||
+        (i > 0 && key(tiles[i - 1]) >= key(tile))) {
+      return "section evidence_tiles: expected tiles in order, each once, found another at " + std::to_string(i);
+    }
+  }
+  return {};
+}
+
 Result<PlaceMap> parse_map(std::span<const std::byte> file, std::shared_ptr<const void> owner) {
   Result<SectionReader> reader = SectionReader::open(file);
   if (!reader) { return tl::unexpected(reader.error()); }
@@ -220,14 +250,26 @@ Result<PlaceMap> parse_map(std::span<const std::byte> file, std::shared_ptr<cons
   visit_columns(columns, read);
   read(shape_section, shape);
   read(params_section, params_text);
+  std::span<const double> evidence_params;
+  std::span<const CellIndex> evidence_tiles;
+  std::span<const EvidenceCell> evidence_cells;
+  read(evidence_params_section, evidence_params);
+  read(evidence_tiles_section, evidence_tiles);
+  read(evidence_cells_section, evidence_cells);
   if (!complaint.empty()) { return fail(complaint); }
   if (const std::string_view name = reader->overlooked(); !name.empty()) {
-    return fail("expected only sections of version 1, found " + std::string(name) + ": a newer flirt can read it");
+    return fail("expected only sections of version 2, found " + std::string(name) + ": a newer flirt can read it");
+  }
+  if (std::string wrong = wrong_evidence(evidence_params, evidence_tiles, evidence_cells); !wrong.empty()) {
+    return fail(std::move(wrong));
   }
   if (shape.size() != 2) { return fail("section descriptor_shape: expected dimension and stride"); }
   const Result<FeatureParams> params = parse_params(params_text);
   if (!params) { return tl::unexpected(params.error()); }
-  return PlaceMap::from_columns(columns, shape[0], shape[1], *params, std::move(owner));
+  return PlaceMap::from_columns(
+      columns, shape[0], shape[1], *params,
+      EvidenceGrid({evidence_params[0], evidence_params[1], evidence_params[2]}, evidence_tiles, evidence_cells),
+      std::move(owner));
 }
 
 }  // namespace
@@ -241,6 +283,12 @@ Result<void> write_place_map(const std::filesystem::path& path, const PlaceMap& 
   const std::string params = json_from_feature_params(map.feature_params()).dump();
   sections.push_back({shape_section, std::as_bytes(std::span(shape)), sizeof(std::uint32_t)});
   sections.push_back({params_section, std::as_bytes(std::span(params)), 1});
+  const EvidenceGridParams& grid = map.evidence().params();
+  const std::array<double, 3> evidence_params{grid.cell_size, grid.range_min, grid.range_max};
+  const EvidenceGrid::SavedTiles evidence = map.evidence().save_tiles();
+  sections.push_back({evidence_params_section, std::as_bytes(std::span(evidence_params)), sizeof(double)});
+  sections.push_back({evidence_tiles_section, std::as_bytes(std::span(evidence.tiles)), sizeof(CellIndex)});
+  sections.push_back({evidence_cells_section, std::as_bytes(std::span(evidence.cells)), sizeof(EvidenceCell)});
   return write_file_atomically(path, assemble(sections));
 }
 

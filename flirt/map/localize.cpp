@@ -1,154 +1,101 @@
 #include "flirt/map/localize.hpp"
 
-#include "flirt/core/parallel.hpp"
+#include "flirt/core/stopwatch.hpp"
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <utility>
+#include <span>
 
 namespace flirt {
 namespace {
 
-/// Microseconds since its construction or its last lap.
-class Stopwatch {
- public:
-  double lap_us() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double, std::micro>(now - std::exchange(start_, now)).count();
+std::vector<PoseHypothesis> hypotheses_of(std::span<const ScoredPose> poses, const VerdictParams& params) {
+  const std::vector<double> weights = weights_of(poses, params);
+  std::vector<PoseHypothesis> hypotheses;
+  hypotheses.reserve(poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    hypotheses.push_back({.map_from_sensor = poses[i].map_from_sensor,
+                          .covariance = poses[i].covariance,
+                          .score = poses[i].score.total,
+                          .weight = weights[i],
+                          .evidence = poses[i].score});
   }
-
- private:
-  std::chrono::steady_clock::time_point start_{std::chrono::steady_clock::now()};
-};
-
-/// The covariance of a pose seen from `a` as that of the same pose seen from the map: positions turn, headings don't.
-Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance_in_a, const Pose2& map_from_a) {
-  const double c = std::cos(map_from_a.theta);
-  const double s = std::sin(map_from_a.theta);
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  rotation.topLeftCorner<2, 2>() << c, -s, s, c;
-  return rotation * covariance_in_a * rotation.transpose();
+  return hypotheses;
 }
 
-/// What one thread finds in its share of the map.
-struct Finds {
-  std::vector<Hypothesis> hypotheses;
-  bool saw_map_scan{false};
-  bool saw_candidate{false};
-};
-
-void match_map_scan(const PlaceMap& map, std::size_t map_scan, PairMatcher& matcher, const RansacParams& params,
-                    Finds& finds) {
-  finds.saw_map_scan = true;
-  const std::optional<PairAlignment> found = matcher.align(map.features(map_scan));
-  finds.saw_candidate = finds.saw_candidate || !matcher.candidates().empty();
-  if (!found) { return; }
-  const Pose2& map_from_reference = map.map_from_sensor(map_scan);
-  finds.hypotheses.push_back({.map_from_sensor = map_from_reference * found->reference_from_query,
-                              .covariance = turned(matcher.covariance(), map_from_reference),
-                              .map_scan = static_cast<std::uint32_t>(map_scan),
-                              .inliers = found->inliers,
-                              .residual = found->residual,
-                              .score = score_from_residual(found->residual, params.inlier_distance)});
-}
-
-/// All finds in one. The order is that of the threads: what follows must not rely on it.
-Finds merged(std::vector<Finds> parts) {
-  Finds all = std::move(parts.front());
-  for (std::size_t i = 1; i < parts.size(); ++i) {
-    all.hypotheses.insert(all.hypotheses.end(), parts[i].hypotheses.begin(), parts[i].hypotheses.end());
-    all.saw_map_scan = all.saw_map_scan || parts[i].saw_map_scan;
-    all.saw_candidate = all.saw_candidate || parts[i].saw_candidate;
+/// The places of a solution set, each with the pose of its best match.
+std::vector<PoseHypothesis> hypotheses_of(const SolutionSet& set) {
+  std::vector<PoseHypothesis> hypotheses;
+  hypotheses.reserve(set.places.size());
+  for (const Place& place : set.places) {
+    const Hypothesis& best = set.hypotheses[place.hypothesis];
+    hypotheses.push_back({.map_from_sensor = best.map_from_sensor,
+                          .covariance = best.covariance,
+                          .score = best.score,
+                          .weight = place.weight});
   }
-  return all;
-}
-
-Reason why_lost(const Finds& finds, std::size_t keypoints, std::uint32_t min_inliers) {
-  if (!finds.saw_map_scan) { return Reason::empty_map; }
-  if (keypoints == 0) { return Reason::no_keypoints; }
-  if (keypoints < min_inliers) { return Reason::few_keypoints; }
-  return finds.saw_candidate ? Reason::few_inliers : Reason::no_match;
-}
-
-double score_of(const LocalizationResult& result, std::size_t place) {
-  return place < result.places.size() ? result.hypotheses[result.places[place].hypothesis].score : 0.0;
-}
-
-/// By how much the first place explains the query better than the second, as a share of the first, in [0, 1].
-double margin(const LocalizationResult& result) {
-  const double first = score_of(result, 0);
-  return first > 0 ? std::max(0.0, 1.0 - score_of(result, 1) / first) : 0.0;
-}
-
-/// In [0, 1): 1/2 when `half` map scans agree.
-double agreement(std::uint32_t support, double half) {
-  return support / (support + half);
-}
-
-void judge(LocalizationResult& result, const LocalizeParams& params) {
-  const double lead = margin(result);
-  result.confidence = lead * agreement(result.places.front().support, params.half_support);
-  if (result.confidence >= params.min_confidence) {
-    result.verdict = Verdict::unique;
-    result.reason = Reason::clear_winner;
-  } else {
-    result.verdict = Verdict::ambiguous;
-    result.reason = lead < params.min_confidence ? Reason::second_place_too_close : Reason::little_support;
-  }
+  return hypotheses;
 }
 
 }  // namespace
 
-Localizer::Localizer(PlaceMap map, const LocalizeParams& params, std::size_t threads)
-    : map_(std::move(map)),
-      params_(params),
-      detector_(map_.feature_params().detector),
-      describer_(map_.feature_params().descriptor),
-      matchers_(thread_count(threads), PairMatcher(params.match, params.ransac)) {}
+Localizer::Localizer(const PlaceMap& map, const LocalizeParams& params, std::size_t threads)
+    : params_(params),
+      detector_(map.feature_params().detector),
+      describer_(map.feature_params().descriptor),
+      evidence_(map, params.fields),
+      finder_(map, params.papers, threads) {}
 
-LocalizationResult Localizer::localize(const Features& features, ScanInterval excluded, LocalizeTimes* times) {
+LocalizationResult Localizer::by_evidence(const Scan& scan, ScanInterval excluded, LocalizeTimes& times) {
   Stopwatch stopwatch;
-  const KeypointTable table = table_of(features.keypoints);
-  for (PairMatcher& matcher : matchers_) { matcher.set_query({table.columns(), rows_of(features.descriptors)}); }
-
-  std::vector<Finds> parts(matchers_.size());
-  constexpr std::size_t grain = 64;
-  parallel_for(
-      map_.size(), matchers_.size(),
-      [&](std::size_t map_scan, std::size_t thread) {
-        if (!excluded.contains(map_scan)) {
-          match_map_scan(map_, map_scan, matchers_[thread], params_.ransac, parts[thread]);
-        }
-      },
-      {}, grain);
-  Finds finds = merged(std::move(parts));
-
+  const MapFields& fields = evidence_.fields(excluded);
+  times.prepare_us = stopwatch.lap_us();
   LocalizationResult result;
-  result.hypotheses = std::move(finds.hypotheses);
-  sort_hypotheses(result.hypotheses, params_.order);
-  set_weights(result.hypotheses);
-  result.places = distinct_places(result.hypotheses, params_.distinct_distance, params_.distinct_heading);
-  if (result.places.empty()) {
-    result.reason = why_lost(finds, features.keypoints.size(), params_.ransac.min_inliers);
-  } else {
-    judge(result, params_);
+  if (fields.empty()) {
+    result.reason = Reason::empty_map;
+    return result;
   }
-  if (times != nullptr) { times->match_us = stopwatch.lap_us(); }
+  const ScanPoints points = scan_points(scan, params_.search.points);
+  result.points = static_cast<std::uint32_t>(points.size());
+  const std::vector<CoarsePose> coarse = dense_search(fields, points, params_.search.dense);
+  times.search_us = stopwatch.lap_us();
+  const std::vector<Pose2> ranked = ranked_candidates(fields, points, coarse, params_.search);
+  times.rank_us = stopwatch.lap_us();
+  const std::vector<ScoredPose> poses = distinct(judge(fields, points, ranked, params_.search), params_.search);
+  const Judgement judgement = judge_answer(poses, points.size(), params_.verdict);
+  result.verdict = judgement.verdict;
+  result.reason = judgement.reason;
+  result.confidence = judgement.confidence;
+  result.hypotheses = hypotheses_of(poses, params_.verdict);
+  times.refine_us = stopwatch.lap_us();
   return result;
 }
 
-LocalizationResult Localizer::localize(const Scan& scan, ScanInterval excluded, LocalizeTimes* times) {
+Features Localizer::features_of(const Scan& scan, LocalizeTimes& times) {
   Stopwatch stopwatch;
   const std::span<const Keypoint> keypoints = detector_.detect(scan);
-  const double detect_us = stopwatch.lap_us();
-  const Features features{{keypoints.begin(), keypoints.end()}, describer_.describe(scan, keypoints)};
-  const double describe_us = stopwatch.lap_us();
-  if (times != nullptr) {
-    times->detect_us = detect_us;
-    times->describe_us = describe_us;
-  }
-  return localize(features, excluded, times);
+  times.detect_us = stopwatch.lap_us();
+  Features features{{keypoints.begin(), keypoints.end()}, describer_.describe(scan, keypoints)};
+  times.describe_us = stopwatch.lap_us();
+  return features;
+}
+
+LocalizationResult Localizer::by_papers(const Scan& scan, ScanInterval excluded, LocalizeTimes& times) {
+  const Features features = features_of(scan, times);
+  Stopwatch stopwatch;
+  SolutionSet set = finder_.find(features, excluded);
+  times.match_us = stopwatch.lap_us();
+  return {.verdict = set.verdict,
+          .reason = set.reason,
+          .confidence = set.confidence,
+          .hypotheses = hypotheses_of(set),
+          .solution_set = std::move(set)};
+}
+
+LocalizationResult Localizer::localize(const Scan& scan, ScanInterval excluded, LocalizeTimes* times) {
+  LocalizeTimes taken;
+  LocalizationResult result =
+      params_.method == LocalizeMethod::papers ? by_papers(scan, excluded, taken) : by_evidence(scan, excluded, taken);
+  if (times != nullptr) { *times = taken; }
+  return result;
 }
 
 LocalizationResult localize(const PlaceMap& map, const Scan& scan, const LocalizeParams& params, LocalizeTimes* times) {

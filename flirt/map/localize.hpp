@@ -1,139 +1,114 @@
-// flirt/map/localize.hpp: where a scan was taken, from the scan and a map alone: no prior pose, no odometry (P1 §4.1).
+// flirt/map/localize.hpp: where a scan was taken, from the scan and a map alone: no prior pose, no odometry.
 //
-// The features of the scan are matched with those of every map scan; the matches with enough inliers are the solution
-// set. Each is a sample of p(x | z, m), and the distinct places they agree on are its modes.
+//   const LocalizationResult found = localize(map, scan);
+//   if (found.verdict == Verdict::unique) { drive_from(found.hypotheses.front().map_from_sensor); }
+//
+// Candidates come from a dense search over the whole map or from votes of oriented keypoints; each is drawn onto the
+// map's walls and scored by all beams of the scan against the evidence of all map scans; the margin to the second
+// distinct place decides the verdict.
 #pragma once
 
-#include "flirt/core/fields.hpp"
 #include "flirt/core/scan.hpp"
 #include "flirt/core/scan_interval.hpp"
 #include "flirt/features/describe.hpp"
 #include "flirt/features/detect.hpp"
-#include "flirt/features/features.hpp"
-#include "flirt/map/hypotheses.hpp"
+#include "flirt/map/evidence_without.hpp"
 #include "flirt/map/place_map.hpp"
-#include "flirt/match/match.hpp"
-#include "flirt/match/pair_matcher.hpp"
-#include "flirt/match/ransac.hpp"
+#include "flirt/map/solution_set.hpp"
+#include "flirt/map/verdict.hpp"
+#include "flirt/registration/search.hpp"
+
+#include <Eigen/Core>
 
 #include <array>
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
 namespace flirt {
 
+/// Where candidate poses come from.
+enum class LocalizeMethod : std::uint8_t {
+  automatic,  ///< dense, or where the map is too large for it features
+  dense,      ///< every heading at every place where a robot can have been
+  features,   ///< places and headings that keypoints vote for
+  papers,     ///< matches with single map scans, judged by their keypoints alone (P1 §4.1): for comparison
+};
+constexpr auto enum_names(LocalizeMethod /*tag*/) {
+  return std::array{std::pair{LocalizeMethod::automatic, std::string_view("auto")},
+                    std::pair{LocalizeMethod::dense, std::string_view("dense")},
+                    std::pair{LocalizeMethod::features, std::string_view("features")},
+                    std::pair{LocalizeMethod::papers, std::string_view("papers")}};
+}
+
 struct LocalizeParams {
-  HypothesisOrder order{HypothesisOrder::residual};   ///< which match stands for a place, and comes first
-  double distinct_distance{0.5};                      ///< m; poses farther apart are different places
-  double distinct_heading{radians_from_degrees(10)};  ///< rad; poses turned farther apart are different places
-  double half_support{4};       ///< map scans that must agree on a place for half of the confidence
-  double min_confidence{0.15};  ///< 1; less is ambiguous
-  MatchParams match{};
-  RansacParams ransac{};  ///< min_inliers is the papers' n_I^min: what a match needs to join the solution set
+  LocalizeMethod method{LocalizeMethod::automatic};
+  MapFieldParams fields{};
+  SearchParams search{};
+  VerdictParams verdict{};
+  SolutionSetParams papers{};  ///< of the method `papers`
 };
 
-/// The fields of `match` and `ransac` are visited on their own.
-template <class Params, class Visitor>
-  requires std::same_as<std::remove_const_t<Params>, LocalizeParams>
-void visit_fields(Params& params, Visitor&& visit) {
-  visit(params.order, Field{"order", "", "which match stands for a place"});
-  visit(params.distinct_distance,
-        Field{"distinct_distance", "m", "poses farther apart are different places", 0.0, 1e3});
-  visit(params.distinct_heading, Field{"distinct_heading", "rad", "poses turned more are different places", 0.0, 3.2});
-  visit(params.half_support,
-        Field{"half_support", "", "map scans that must agree for half of the confidence", 0.0, 1e6});
-  visit(params.min_confidence, Field{"min_confidence", "1", "less confidence is ambiguous", 0.0, 1.0});
-}
-
-/// What the answer is worth. This version judges by the solution set alone, so it says "ambiguous" of many scans that
-/// evidence from the whole scan, which is to come, can decide. Where all scans within 10 m of travel had left the map,
-/// 300 of 300 "unique" answers were right on fr079 and mit-csail, but only half and a sixth of all were "unique".
-enum class Verdict : std::uint8_t {
-  unique,     ///< one place explains the scan clearly better than any other
-  ambiguous,  ///< several places explain it about equally well: see LocalizationResult::places
-  lost,       ///< no place
+/// A distinct place that explains the scan.
+struct PoseHypothesis {
+  Pose2 map_from_sensor{};
+  Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};  ///< of (x, y, theta), map frame: m², m·rad, rad²
+  double score{0};           ///< by the evidence (EvidenceScore::total); `papers`: score_from_residual
+  double weight{0};          ///< relative probability; all hypotheses sum to 1
+  EvidenceScore evidence{};  ///< terms of the score; zero for `papers`
 };
-constexpr auto enum_names(Verdict /*tag*/) {
-  return std::array{std::pair{Verdict::unique, std::string_view("unique")},
-                    std::pair{Verdict::ambiguous, std::string_view("ambiguous")},
-                    std::pair{Verdict::lost, std::string_view("lost")}};
-}
-
-/// Why the verdict is what it is.
-enum class Reason : std::uint8_t {
-  clear_winner,            ///< unique: no second place explains the scan nearly as well, and several map scans agree
-  second_place_too_close,  ///< ambiguous: a second place explains the scan nearly as well
-  little_support,          ///< ambiguous: the first place is ahead, but too few map scans agree on it
-  empty_map,               ///< lost: the map has no scans left to match
-  no_keypoints,            ///< lost: nothing stands out in the scan (no returns, or a bare wall)
-  few_keypoints,           ///< lost: fewer keypoints than a match needs inliers
-  no_match,                ///< lost: nothing in the map looks like any keypoint of the scan
-  few_inliers,             ///< lost: single keypoints have look-alikes in the map, but too few agree on a pose
-};
-constexpr auto enum_names(Reason /*tag*/) {
-  using enum Reason;
-  return std::array<std::pair<Reason, std::string_view>, 8>{{{clear_winner, "clear_winner"},
-                                                             {second_place_too_close, "second_place_too_close"},
-                                                             {little_support, "little_support"},
-                                                             {empty_map, "empty_map"},
-                                                             {no_keypoints, "no_keypoints"},
-                                                             {few_keypoints, "few_keypoints"},
-                                                             {no_match, "no_match"},
-                                                             {few_inliers, "few_inliers"}}};
-}
 
 struct LocalizationResult {
   Verdict verdict{Verdict::lost};
-  Reason reason{Reason::no_match};
-  /// Of the first place, in [0, 1): (1 − score of the second place / score of the first) · k / (k + half_support), k
-  /// the map scans that agree on it; 0 when lost.
-  double confidence{0};
-  std::vector<Hypothesis> hypotheses{};  ///< the whole solution set, best match first
-  std::vector<Place> places{};           ///< the distinct places among them, in the order of their best matches
+  Reason reason{Reason::few_points};
+  double confidence{0};                       ///< probability that the first hypothesis is right; 0 without any
+  std::vector<PoseHypothesis> hypotheses{};   ///< distinct places, best first
+  std::uint32_t points{0};                    ///< end points that were used, after thinning
+  std::optional<SolutionSet> solution_set{};  ///< of the method `papers`
 
-  /// The best match, which stands for the first place; null when lost.
-  [[nodiscard]] const Hypothesis* best() const {
-    return places.empty() ? nullptr : &hypotheses[places.front().hypothesis];
-  }
+  /// The best hypothesis; null when there is none.
+  [[nodiscard]] const PoseHypothesis* best() const { return hypotheses.empty() ? nullptr : &hypotheses.front(); }
 };
 
-/// Where the time went.
+/// Where the time went, µs.
 struct LocalizeTimes {
-  double detect_us{0};    ///< µs
-  double describe_us{0};  ///< µs
-  double match_us{0};     ///< µs, all map scans, and the grouping into places
+  double detect_us{0};    ///< features and papers only, as the next
+  double describe_us{0};  ///< features and papers
+  double match_us{0};     ///< papers: keypoints against all map scans
+  double search_us{0};    ///< coarse candidates
+  double rank_us{0};      ///< candidates ranked by their beams
+  double refine_us{0};    ///< refinement, score, verdict
+  double prepare_us{0};   ///< evidence without the excluded scans: a cost of evaluation, not in the total
+
+  [[nodiscard]] double total_us() const { return detect_us + describe_us + match_us + search_us + rank_us + refine_us; }
 };
 
-/// Localizes many scans in one map; its workspaces stay allocated from one query to the next. Use one per thread, or
-/// one with several threads.
+/// Localizes many scans in one map; its workspaces stay allocated from one query to the next. One per thread.
 class Localizer {
  public:
-  /// `threads` share the map scans of a query; 0 for one per processor. Results do not depend on them.
-  explicit Localizer(PlaceMap map, const LocalizeParams& params = {}, std::size_t threads = 1);
+  /// `threads` share the map scans of a query of the method `papers`; 0 for one per processor.
+  explicit Localizer(const PlaceMap& map, const LocalizeParams& params = {}, std::size_t threads = 1);
 
-  /// Map scans in `excluded` do not take part, as if they weren't there: a map scan's match depends on nothing but the
-  /// query, that scan and the seed. O(map scans · query keypoints · keypoints a map scan).
+  /// Map scans in `excluded` do not take part, as if they weren't there.
   [[nodiscard]] LocalizationResult localize(const Scan& scan, ScanInterval excluded = {},
                                             LocalizeTimes* times = nullptr);
 
-  /// The same for features that were made with the map's `feature_params`.
-  [[nodiscard]] LocalizationResult localize(const Features& features, ScanInterval excluded = {},
-                                            LocalizeTimes* times = nullptr);
-
  private:
-  PlaceMap map_;
+  [[nodiscard]] LocalizationResult by_evidence(const Scan& scan, ScanInterval excluded, LocalizeTimes& times);
+  [[nodiscard]] Features features_of(const Scan& scan, LocalizeTimes& times);
+  [[nodiscard]] LocalizationResult by_papers(const Scan& scan, ScanInterval excluded, LocalizeTimes& times);
+
   LocalizeParams params_;
   Detector detector_;
   Describer describer_;
-  std::vector<PairMatcher> matchers_;  ///< one per thread
+  EvidenceWithout evidence_;
+  SolutionSetFinder finder_;
 };
 
-/// Where `scan` was taken. One thread; for many queries or several threads keep a Localizer.
+/// Where `scan` was taken. For many queries keep a Localizer: making one costs as much as several queries.
 [[nodiscard]] LocalizationResult localize(const PlaceMap& map, const Scan& scan, const LocalizeParams& params = {},
                                           LocalizeTimes* times = nullptr);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -115,6 +116,9 @@ void append(std::vector<T>& column, const std::vector<T>& values) {
   column.insert(column.end(), values.begin(), values.end());
 }
 
+/// Poses farther from the map's origin would not fit the evidence grid, m.
+constexpr double farthest = 1e7;
+
 /// What keeps a log from being a map; empty when nothing does.
 std::string wrong_log(const ScanLog& log) {
   if (log.map_from_robot.size() != log.scans.size()) {
@@ -122,8 +126,10 @@ std::string wrong_log(const ScanLog& log) {
            std::to_string(log.map_from_robot.size());
   }
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
-    if (!is_finite(log.map_from_sensor(i))) {
-      return "expected a finite pose for scan " + std::to_string(i) + ", found none";
+    const Pose2 pose = log.map_from_sensor(i);
+    if (!is_finite(pose) || norm(pose.translation()) > farthest) {
+      return "expected a finite pose within 10 000 km of the map's origin for scan " + std::to_string(i) +
+             ", found none";
     }
   }
   return {};
@@ -154,7 +160,7 @@ PlaceMapViews views_of(const PlaceMapVectors& vectors) {
 
 Result<PlaceMap> PlaceMap::from_columns(const PlaceMapViews& columns, std::uint32_t descriptor_dimension,
                                         std::uint32_t descriptor_stride, const FeatureParams& params,
-                                        std::shared_ptr<const void> owner) {
+                                        EvidenceGrid evidence, std::shared_ptr<const void> owner) {
   const std::string wrong = complaint(columns, descriptor_dimension, descriptor_stride);
   if (!wrong.empty()) { return fail(wrong); }
   PlaceMap map;
@@ -162,12 +168,13 @@ Result<PlaceMap> PlaceMap::from_columns(const PlaceMapViews& columns, std::uint3
   map.descriptor_dimension_ = descriptor_dimension;
   map.descriptor_stride_ = descriptor_stride;
   map.params_ = params;
+  map.evidence_ = std::make_shared<const EvidenceGrid>(std::move(evidence));
   map.owner_ = std::move(owner);
   return map;
 }
 
 std::size_t PlaceMap::bytes() const {
-  std::size_t total = 0;
+  std::size_t total = evidence_->bytes();
   visit_columns(columns_, [&total](std::string_view /*name*/, const auto& column) { total += column.size_bytes(); });
   return total;
 }
@@ -201,6 +208,22 @@ FeatureColumns PlaceMap::features(std::size_t scan) const {
                           .count = static_cast<std::uint32_t>(count),
                           .dimension = descriptor_dimension_,
                           .stride = descriptor_stride_}};
+}
+
+std::optional<std::size_t> nearest_scan(const PlaceMap& map, const Pose2& map_from_sensor, ScanInterval excluded) {
+  constexpr double metres_a_radian = 0.5 / (std::numbers::pi / 4);
+  std::optional<std::size_t> nearest;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (excluded.contains(i)) { continue; }
+    const Pose2& other = map.map_from_sensor(i);
+    const double away = distance(map_from_sensor, other) + metres_a_radian * heading_difference(map_from_sensor, other);
+    if (away < least) {
+      least = away;
+      nearest = i;
+    }
+  }
+  return nearest;
 }
 
 void PlaceMapBuilder::add_geometry(const Beams& beams) {
@@ -247,10 +270,18 @@ void PlaceMapBuilder::add(const Scan& scan, const Pose2& map_from_sensor, const 
 }
 
 PlaceMap PlaceMapBuilder::build() && {
+  PlaceMap map = std::move(*this).build(EvidenceGrid());
+  EvidenceGrid evidence;
+  for (std::size_t i = 0; i < map.size(); ++i) { evidence.add(map.scan(i), map.map_from_sensor(i)); }
+  map.evidence_ = std::make_shared<const EvidenceGrid>(std::move(evidence));
+  return map;
+}
+
+PlaceMap PlaceMapBuilder::build(EvidenceGrid evidence) && {
   visit_columns(columns_, [](std::string_view /*name*/, auto& column) { column.shrink_to_fit(); });
   const auto owner = std::make_shared<const PlaceMapVectors>(std::move(columns_));
-  Result<PlaceMap> map =
-      PlaceMap::from_columns(views_of(*owner), descriptor_dimension_, descriptor_stride_, params_, owner);
+  Result<PlaceMap> map = PlaceMap::from_columns(views_of(*owner), descriptor_dimension_, descriptor_stride_, params_,
+                                                std::move(evidence), owner);
   FLIRT_ASSERT(map.has_value());
   return *std::move(map);
 }

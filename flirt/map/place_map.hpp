@@ -9,12 +9,15 @@
 #include "flirt/core/parallel.hpp"
 #include "flirt/core/result.hpp"
 #include "flirt/core/scan.hpp"
+#include "flirt/core/scan_interval.hpp"
 #include "flirt/features/extract.hpp"
+#include "flirt/grid/evidence_grid.hpp"
 #include "flirt/match/columns.hpp"
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -80,15 +83,15 @@ void visit_columns(Columns& columns, Visitor&& visit) {
 /// are half as much again as the rest of the descriptors.
 enum class MapVariances : std::uint8_t { leave_out, keep };
 
-/// Scans with poses and features, read-only. Copies share the columns, so they are cheap; the columns may lie in a file
-/// that is mapped into memory. Invariant: the columns fit together (sizes, ascending begins, indices in range, finite
-/// poses). For 1464 scans of 360 beams with 24 keypoints each: 17 MB.
+/// Scans with poses and features, and the evidence that all their beams leave, read-only. Copies share all of it, so
+/// they are cheap; the columns may lie in a file that is mapped into memory. Invariant: the columns fit together
+/// (sizes, ascending begins, indices in range, finite poses).
 class PlaceMap {
  public:
   /// `columns` must stay as they are while `owner` lives. An error says which column does not fit. O(n + k).
   [[nodiscard]] static Result<PlaceMap> from_columns(const PlaceMapViews& columns, std::uint32_t descriptor_dimension,
                                                      std::uint32_t descriptor_stride, const FeatureParams& params,
-                                                     std::shared_ptr<const void> owner);
+                                                     EvidenceGrid evidence, std::shared_ptr<const void> owner);
 
   [[nodiscard]] std::size_t size() const { return columns_.map_from_sensor.size(); }
   [[nodiscard]] std::size_t feature_count() const { return columns_.x.size(); }
@@ -98,7 +101,9 @@ class PlaceMap {
   /// How the features were made; a query has to be described the same way.
   [[nodiscard]] const FeatureParams& feature_params() const { return params_; }
   [[nodiscard]] bool has_variances() const { return !columns_.descriptor_variances.empty(); }
-  /// Bytes of all columns.
+  /// Hits and passes of all beams of all scans, by their ranges as stored here (floats), or of a grid map.
+  [[nodiscard]] const EvidenceGrid& evidence() const { return *evidence_; }
+  /// Bytes of all columns and of the evidence.
   [[nodiscard]] std::size_t bytes() const;
 
   [[nodiscard]] const Pose2& map_from_sensor(std::size_t scan) const { return columns_.map_from_sensor[scan]; }
@@ -113,13 +118,20 @@ class PlaceMap {
   [[nodiscard]] FeatureColumns features(std::size_t scan) const;
 
  private:
+  friend class PlaceMapBuilder;
   PlaceMap() = default;
   PlaceMapViews columns_{};
   std::uint32_t descriptor_dimension_{0};
   std::uint32_t descriptor_stride_{0};
   FeatureParams params_{};
+  std::shared_ptr<const EvidenceGrid> evidence_{};
   std::shared_ptr<const void> owner_{};
 };
+
+/// The map scan taken nearest to a pose, 0.5 m counting as much as 45°; of equal ones the first. Scans in `excluded`
+/// are left out. Nothing for a map without scans. O(n).
+[[nodiscard]] std::optional<std::size_t> nearest_scan(const PlaceMap& map, const Pose2& map_from_sensor,
+                                                      ScanInterval excluded = {});
 
 /// Puts a place map together scan by scan.
 class PlaceMapBuilder {
@@ -127,11 +139,13 @@ class PlaceMapBuilder {
   explicit PlaceMapBuilder(const FeatureParams& params = {}, MapVariances variances = MapVariances::leave_out)
       : params_(params), variances_(variances) {}
 
-  /// `map_from_sensor` must be finite; all descriptors of a map have the same dimension.
+  /// `map_from_sensor` must be finite and within 10⁷ m; all descriptors of a map have the same dimension.
   void add(const Scan& scan, const Pose2& map_from_sensor, const Features& features);
 
-  /// The map of all scans added; the builder is used up.
+  /// The map of all scans added, with the evidence of their beams; the builder is used up.
   [[nodiscard]] PlaceMap build() &&;
+  /// The same with evidence from elsewhere: for maps whose scans were made up from a grid map.
+  [[nodiscard]] PlaceMap build(EvidenceGrid evidence) &&;
 
  private:
   void add_geometry(const Beams& beams);

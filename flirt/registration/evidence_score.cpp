@@ -6,6 +6,8 @@
 namespace flirt {
 namespace {
 
+constexpr double near_distance = 0.1;  // m, as the papers' inlier distance
+
 /// ⌊v⌋ for |v| < 2³¹, without a library call on processors that have no instruction for it.
 std::int32_t floor_to_int(float v) {
   const auto truncated = static_cast<std::int32_t>(v);
@@ -36,14 +38,21 @@ EvidenceScore EvidenceScorer::score(const ScanPoints& points, const Pose2& map_f
   float likelihood = 0;
   float free = 0;
   int unknown = 0;
+  int near = 0;
+  int squared_distances = 0;
+  const auto near_cells = static_cast<int>(std::lround(std::pow(near_distance / fields_->cell_size, 2)));
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto x = floor_to_int(x0 + c * points.x[i] - s * points.y[i]);
     const auto y = floor_to_int(y0 + s * points.x[i] + c * points.y[i]);
     if (!agreement.contains(x, y)) {
       ++unknown;
+      squared_distances += Agreement::distance_mask;
       continue;
     }
     const std::uint8_t code = agreement.at(x, y);
+    const int squared_distance = code & Agreement::distance_mask;
+    near += squared_distance <= near_cells ? 1 : 0;
+    squared_distances += squared_distance;
     likelihood += likelihood_of_[code];
     free += (code & Agreement::free) != 0 ? 1.0F - likelihood_of_[code] : 0.0F;
     unknown += (code & Agreement::unknown) != 0 ? 1 : 0;
@@ -53,6 +62,8 @@ EvidenceScore EvidenceScorer::score(const ScanPoints& points, const Pose2& map_f
   score.free = free / n;
   score.unknown = unknown / n;
   score.through = through(points, map_from_sensor);
+  score.near = near / n;
+  score.residual = squared_distances / n * fields_->cell_size * fields_->cell_size;
   score.total = params_.likelihood * score.likelihood + params_.free * score.free + params_.unknown * score.unknown +
                 params_.through * score.through;
   return score;

@@ -39,6 +39,8 @@ struct EvidenceScore {
   double free{0};        ///< 0..1
   double unknown{0};     ///< 0..1
   double through{0};     ///< 0..1
+  double near{0};        ///< 0..1, share of end points within 0.1 m of something occupied; has no weight
+  double residual{0};    ///< m², mean squared distance to something occupied, each at most (0.4 m)²; has no weight
 };
 
 /// Scores poses of scans in one map. Immutable after construction; tables for the parameters inside.

@@ -37,8 +37,8 @@ std::vector<ScoredPose> distinct(std::vector<ScoredPose> poses, const SearchPara
   return kept;
 }
 
-std::vector<Pose2> ranked_candidates(const MapFields& fields, const ScanPoints& points, const SearchParams& params) {
-  const std::vector<CoarsePose> coarse = dense_search(fields, points, params.dense);
+std::vector<Pose2> ranked_candidates(const MapFields& fields, const ScanPoints& points,
+                                     std::span<const CoarsePose> coarse, const SearchParams& params) {
   const EvidenceScorer scorer(fields, params.score);
   const std::size_t stride = (points.size() + params.ranking_rays - 1) / params.ranking_rays;
   struct Ranked {
@@ -48,11 +48,13 @@ std::vector<Pose2> ranked_candidates(const MapFields& fields, const ScanPoints& 
   const auto better = [](const Ranked& a, const Ranked& b) {
     return a.value != b.value ? a.value > b.value : a.index < b.index;
   };
+  // The very best are kept whatever their rays say: a heading a degree off can send many beams through a door frame.
   // Coarse poses come best first, and rays only take value away: once a pose is worth less than the worst of a full
   // heap, so are all after it.
+  const std::size_t sure = std::min<std::size_t>({params.unranked, params.refined, coarse.size()});
   std::vector<Ranked> best;
-  for (std::size_t i = 0; i < coarse.size(); ++i) {
-    const bool full = best.size() == params.refined;
+  for (std::size_t i = sure; i < coarse.size() && params.refined > sure; ++i) {
+    const bool full = best.size() + sure == params.refined;
     if (full && coarse[i].value <= best.front().value) { break; }
     const double most_through = full ? (coarse[i].value - best.front().value) / params.ray_weight : 1.0;
     const double through = scorer.through(points, coarse[i].map_from_sensor, stride, most_through);
@@ -67,13 +69,15 @@ std::vector<Pose2> ranked_candidates(const MapFields& fields, const ScanPoints& 
   }
   std::ranges::sort(best, better);
   std::vector<Pose2> poses;
-  poses.reserve(best.size());
+  poses.reserve(sure + best.size());
+  for (std::size_t i = 0; i < sure; ++i) { poses.push_back(coarse[i].map_from_sensor); }
   for (const Ranked& ranked : best) { poses.push_back(coarse[ranked.index].map_from_sensor); }
   return poses;
 }
 
 std::vector<ScoredPose> search(const MapFields& fields, const ScanPoints& points, const SearchParams& params) {
-  return distinct(judge(fields, points, ranked_candidates(fields, points, params), params), params);
+  const std::vector<CoarsePose> coarse = dense_search(fields, points, params.dense);
+  return distinct(judge(fields, points, ranked_candidates(fields, points, coarse, params), params), params);
 }
 
 std::vector<ScoredPose> search(const MapFields& fields, const Scan& scan, const SearchParams& params) {

@@ -31,6 +31,7 @@ struct SearchParams {
   std::uint32_t ranking_rays{32};  ///< beams, evenly picked, that are followed when coarse poses are ranked
   double ray_weight{1.0};          ///< coarse value lost when all beams cross something solid
   std::uint32_t refined{100};      ///< best ranked coarse poses that are refined and scored
+  std::uint32_t unranked{10};      ///< of them the best by coarse value alone, whatever their beams cross
   double distinct_distance{0.5};   ///< m, poses nearer than this and
   double distinct_heading{radians_from_degrees(10)};  ///< rad, turned less than this are one pose
 };
@@ -45,6 +46,7 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.ranking_rays, Field{"ranking_rays", "", "beams followed when coarse poses are ranked", 1, 10000});
   visit(params.ray_weight, Field{"ray_weight", "", "coarse value lost when all beams cross something solid", 0, 10});
   visit(params.refined, Field{"refined", "", "best ranked coarse poses that are refined", 1, 100000});
+  visit(params.unranked, Field{"unranked", "", "of them the best by coarse value alone", 0, 100000});
   visit(params.distinct_distance, Field{"distinct_distance", "m", "poses nearer than this may be one", 0, 10});
   visit(params.distinct_heading, Field{"distinct_heading", "rad", "poses turned less than this may be one", 0, 3.2});
 }
@@ -65,9 +67,10 @@ struct ScoredPose {
 /// Best first; of poses that are not distinct only the best stays. O(n²) at worst, n the number of distinct poses.
 [[nodiscard]] std::vector<ScoredPose> distinct(std::vector<ScoredPose> poses, const SearchParams& params = {});
 
-/// The best coarse poses by value and by beams that cross something solid.
+/// The `params.refined` best of `coarse` (best first, as dense_search gives them) by value and by beams that cross
+/// something solid, best first; before them, and counted among them, the `params.unranked` best by value alone.
 [[nodiscard]] std::vector<Pose2> ranked_candidates(const MapFields& fields, const ScanPoints& points,
-                                                   const SearchParams& params = {});
+                                                   std::span<const CoarsePose> coarse, const SearchParams& params = {});
 
 /// Dense search, ranking by beams, refinement, score, merge.
 [[nodiscard]] std::vector<ScoredPose> search(const MapFields& fields, const ScanPoints& points,

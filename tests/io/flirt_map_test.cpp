@@ -268,7 +268,7 @@ TEST_F(FlirtMapFile, LocalizesLikeTheMapItWasWrittenFrom) {
   ASSERT_EQ(from_file.hypotheses.size(), from_built.hypotheses.size());
   for (std::size_t i = 0; i < from_built.hypotheses.size(); ++i) {
     EXPECT_EQ(from_file.hypotheses[i].map_from_sensor, from_built.hypotheses[i].map_from_sensor);
-    EXPECT_EQ(from_file.hypotheses[i].residual, from_built.hypotheses[i].residual);
+    EXPECT_EQ(from_file.hypotheses[i].score, from_built.hypotheses[i].score);
   }
 }
 

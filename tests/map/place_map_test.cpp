@@ -18,7 +18,7 @@ template <class Spoil>
 std::string complaint_after(const Spoil& spoil) {
   PlaceMapVectors vectors = vectors_of(small_map());
   spoil(vectors);
-  const Result<PlaceMap> map = PlaceMap::from_columns(views_of(vectors), 12, 16, {}, nullptr);
+  const Result<PlaceMap> map = PlaceMap::from_columns(views_of(vectors), 12, 16, {}, EvidenceGrid(), nullptr);
   return map ? "" : map.error().message;
 }
 
@@ -119,7 +119,7 @@ TEST(PlaceMap, RejectsColumnsThatDoNotFit) {
 TEST(PlaceMap, RejectsImpossibleDescriptorShapes) {
   const PlaceMapVectors vectors = vectors_of(small_map());
   for (const auto& [dimension, stride] : {std::pair{17U, 16U}, {12U, 15U}, {0U, 16U}, {12U, 0U}, {12U, 1U << 30U}}) {
-    EXPECT_FALSE(PlaceMap::from_columns(views_of(vectors), dimension, stride, {}, nullptr).has_value())
+    EXPECT_FALSE(PlaceMap::from_columns(views_of(vectors), dimension, stride, {}, EvidenceGrid(), nullptr).has_value())
         << dimension << " " << stride;
   }
 }

@@ -100,11 +100,12 @@ TEST(Search, RankingStopsEarlyWithoutChangingTheResult) {
   const ScanPoints points = scan_points(scan_of(walls, {3.1, 3.3, 0.4}, half_turn));
   SearchParams params;
   params.refined = 40;
-  const std::vector<Pose2> quick = ranked_candidates(fields, points, params);
+  params.unranked = 0;
+  const std::vector<CoarsePose> coarse = dense_search(fields, points, params.dense);
+  const std::vector<Pose2> quick = ranked_candidates(fields, points, coarse, params);
   const EvidenceScorer scorer(fields, params.score);
   const std::size_t stride = (points.size() + params.ranking_rays - 1) / params.ranking_rays;
   std::vector<std::pair<double, std::size_t>> slow;
-  const std::vector<CoarsePose> coarse = dense_search(fields, points, params.dense);
   for (std::size_t i = 0; i < coarse.size(); ++i) {
     const double through = scorer.through(points, coarse[i].map_from_sensor, stride);
     slow.emplace_back(-(coarse[i].value - params.ray_weight * through), i);
@@ -112,6 +113,19 @@ TEST(Search, RankingStopsEarlyWithoutChangingTheResult) {
   std::ranges::sort(slow);
   ASSERT_EQ(quick.size(), 40U);
   for (std::size_t i = 0; i < quick.size(); ++i) { EXPECT_EQ(quick[i], coarse[slow[i].second].map_from_sensor) << i; }
+}
+
+TEST(Search, TheBestCoarsePosesStayWhateverTheirBeamsCross) {
+  const auto walls = asymmetric_room();
+  const MapFields fields = map_fields(evidence_of(walls, walk({})));
+  const ScanPoints points = scan_points(scan_of(walls, {3.1, 3.3, 0.4}, half_turn));
+  SearchParams params;
+  params.refined = 12;
+  params.unranked = 7;
+  const std::vector<CoarsePose> coarse = dense_search(fields, points, params.dense);
+  const std::vector<Pose2> kept = ranked_candidates(fields, points, coarse, params);
+  ASSERT_EQ(kept.size(), 12U);
+  for (std::size_t i = 0; i < 7; ++i) { EXPECT_EQ(kept[i], coarse[i].map_from_sensor) << i; }
 }
 
 }  // namespace

@@ -1,0 +1,124 @@
+#include "flirt/map/solution_set.hpp"
+
+#include "flirt/core/parallel.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace flirt {
+namespace {
+
+/// The covariance of a pose seen from `a` as that of the same pose seen from the map: positions turn, headings don't.
+Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance_in_a, const Pose2& map_from_a) {
+  const double c = std::cos(map_from_a.theta);
+  const double s = std::sin(map_from_a.theta);
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  rotation.topLeftCorner<2, 2>() << c, -s, s, c;
+  return rotation * covariance_in_a * rotation.transpose();
+}
+
+/// What one thread finds in its share of the map.
+struct Finds {
+  std::vector<Hypothesis> hypotheses;
+  bool saw_map_scan{false};
+  bool saw_candidate{false};
+};
+
+void match_map_scan(const PlaceMap& map, std::size_t map_scan, PairMatcher& matcher, const RansacParams& params,
+                    Finds& finds) {
+  finds.saw_map_scan = true;
+  const std::optional<PairAlignment> found = matcher.align(map.features(map_scan));
+  finds.saw_candidate = finds.saw_candidate || !matcher.candidates().empty();
+  if (!found) { return; }
+  const Pose2& map_from_reference = map.map_from_sensor(map_scan);
+  finds.hypotheses.push_back({.map_from_sensor = map_from_reference * found->reference_from_query,
+                              .covariance = turned(matcher.covariance(), map_from_reference),
+                              .map_scan = static_cast<std::uint32_t>(map_scan),
+                              .inliers = found->inliers,
+                              .residual = found->residual,
+                              .score = score_from_residual(found->residual, params.inlier_distance)});
+}
+
+/// All finds in one. The order is that of the threads: what follows must not rely on it.
+Finds merged(std::vector<Finds> parts) {
+  Finds all = std::move(parts.front());
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    all.hypotheses.insert(all.hypotheses.end(), parts[i].hypotheses.begin(), parts[i].hypotheses.end());
+    all.saw_map_scan = all.saw_map_scan || parts[i].saw_map_scan;
+    all.saw_candidate = all.saw_candidate || parts[i].saw_candidate;
+  }
+  return all;
+}
+
+Reason why_lost(const Finds& finds, std::size_t keypoints, std::uint32_t min_inliers) {
+  if (!finds.saw_map_scan) { return Reason::empty_map; }
+  if (keypoints == 0) { return Reason::no_keypoints; }
+  if (keypoints < min_inliers) { return Reason::few_keypoints; }
+  return finds.saw_candidate ? Reason::few_inliers : Reason::no_match;
+}
+
+double score_of(const SolutionSet& result, std::size_t place) {
+  return place < result.places.size() ? result.hypotheses[result.places[place].hypothesis].score : 0.0;
+}
+
+/// By how much the first place explains the query better than the second, as a share of the first, in [0, 1].
+double margin(const SolutionSet& result) {
+  const double first = score_of(result, 0);
+  return first > 0 ? std::max(0.0, 1.0 - score_of(result, 1) / first) : 0.0;
+}
+
+/// In [0, 1): 1/2 when `half` map scans agree.
+double agreement(std::uint32_t support, double half) {
+  return support / (support + half);
+}
+
+void judge(SolutionSet& result, const SolutionSetParams& params) {
+  const double lead = margin(result);
+  result.confidence = lead * agreement(result.places.front().support, params.half_support);
+  if (result.confidence >= params.min_confidence) {
+    result.verdict = Verdict::unique;
+    result.reason = Reason::clear_winner;
+  } else {
+    result.verdict = Verdict::ambiguous;
+    result.reason = lead < params.min_confidence ? Reason::second_place_too_close : Reason::little_support;
+  }
+}
+
+}  // namespace
+
+SolutionSetFinder::SolutionSetFinder(PlaceMap map, const SolutionSetParams& params, std::size_t threads)
+    : map_(std::move(map)),
+      params_(params),
+      matchers_(thread_count(threads), PairMatcher(params.match, params.ransac)) {}
+
+SolutionSet SolutionSetFinder::find(const Features& features, ScanInterval excluded) {
+  const KeypointTable table = table_of(features.keypoints);
+  for (PairMatcher& matcher : matchers_) { matcher.set_query({table.columns(), rows_of(features.descriptors)}); }
+
+  std::vector<Finds> parts(matchers_.size());
+  constexpr std::size_t grain = 64;
+  parallel_for(
+      map_.size(), matchers_.size(),
+      [&](std::size_t map_scan, std::size_t thread) {
+        if (!excluded.contains(map_scan)) {
+          match_map_scan(map_, map_scan, matchers_[thread], params_.ransac, parts[thread]);
+        }
+      },
+      {}, grain);
+  Finds finds = merged(std::move(parts));
+
+  SolutionSet result;
+  result.hypotheses = std::move(finds.hypotheses);
+  sort_hypotheses(result.hypotheses, params_.order);
+  set_weights(result.hypotheses);
+  result.places = distinct_places(result.hypotheses, params_.distinct_distance, params_.distinct_heading);
+  if (result.places.empty()) {
+    result.reason = why_lost(finds, features.keypoints.size(), params_.ransac.min_inliers);
+  } else {
+    judge(result, params_);
+  }
+  return result;
+}
+
+}  // namespace flirt
