@@ -91,5 +91,6 @@ void add_localize(CLI::App& program, Session& session);
 void add_simulate(CLI::App& program, Session& session);
 void add_bench(CLI::App& program, Session& session);
 void add_bench_localization(CLI::App& bench, Session& session);
+void add_bench_optimizers(CLI::App& bench, Session& session);
 
 }  // namespace flirt::app
