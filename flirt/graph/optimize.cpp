@@ -8,12 +8,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 namespace flirt {
 namespace {
 
 constexpr std::uint32_t iterations_per_round = 4;  // of graduated non-convexity: the next round's loss is near
-constexpr double settled = 1e-4;                   // m or rad; a pass of toro that moves no node further is the last
+constexpr double settled = 1e-9;                   // m or rad; a pass of toro that moves no node further is the last
 
 struct Outcome {
   std::uint32_t iterations{0};
@@ -79,10 +80,14 @@ Outcome by_ceres(PoseGraph& graph, const OptimizeParams& params) {
 Outcome by_toro(PoseGraph& graph, const OptimizeParams& params) {
   Toro toro(graph, params.fixed_node);
   const auto passes = [&](std::uint32_t iterations, const auto& weights) {
+    double late_chi2 = 0;  // when nine tenths of the passes are done
     for (std::uint32_t n = 0; n < iterations; ++n) {
-      if (toro.pass(weights(), Toro::rate(n)) < settled) { return CeresSolver::Outcome{n + 1, true}; }
+      if (n == iterations - iterations / 10) { late_chi2 = chi2(graph); }
+      const double rate = Toro::rate(n, iterations);
+      if (toro.pass(weights(), rate) < settled && rate >= 1) { return CeresSolver::Outcome{n + 1, true}; }
     }
-    return CeresSolver::Outcome{iterations, false};
+    const bool is_flat = std::abs(late_chi2 - chi2(graph)) <= 0.01 * late_chi2;
+    return CeresSolver::Outcome{iterations, is_flat};
   };
   if (params.graduated != Graduated::off) {
     return graduated(graph, params, [&](const std::vector<double>& weight, std::uint32_t iterations) {

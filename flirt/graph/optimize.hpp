@@ -42,7 +42,7 @@ constexpr auto enum_names(Graduated /*tag*/) {
 
 struct OptimizeParams {
   Backend backend{Backend::ceres};        ///< method
-  std::uint32_t iterations{100};          ///< at most; under `graduated` over all its rounds
+  std::uint32_t iterations{100};          ///< at most; under `graduated` in its last round
   RobustLoss loss{RobustLoss::none};      ///< of loop edges; not used under `graduated`
   double loss_width{3.37};                ///< Mahalanobis distance where the loss bends: √χ²₃ at 0.99
   Graduated graduated{Graduated::off};    ///< weights of loop edges by graduated non-convexity
@@ -53,7 +53,7 @@ template <class Params, class Visitor>
   requires std::same_as<std::remove_const_t<Params>, OptimizeParams>
 void visit_fields(Params& params, Visitor&& visit) {
   visit(params.backend, Field{"backend", "", "method that finds the poses"});
-  visit(params.iterations, Field{"iterations", "", "at most", 1, 1e6});
+  visit(params.iterations, Field{"iterations", "", "at most; of graduated non-convexity in its last round", 1, 1e6});
   visit(params.loss, Field{"loss", "", "robust loss of loop edges"});
   visit(params.loss_width, Field{"loss_width", "1", "Mahalanobis distance where the loss bends", 1e-3, 1e6});
   visit(params.graduated, Field{"graduated", "", "graduated non-convexity on loop edges"});
@@ -64,7 +64,7 @@ struct OptimizeSummary {
   double initial_chi2{0};                 ///< over all edges
   double final_chi2{0};                   ///< over all edges that were not rejected
   std::uint32_t iterations{0};
-  bool converged{false};                  ///< it stopped by itself; toro: its last pass hardly moved the graph
+  bool converged{false};                  ///< at a minimum; toro: the last tenth of its passes changed χ² by ≤ 1 %
   std::vector<std::uint32_t> rejected{};  ///< indices of loop edges with a final weight below one half
   double seconds{0};                      ///< wall clock; the one field that differs from run to run
 };

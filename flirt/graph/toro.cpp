@@ -56,8 +56,9 @@ void Toro::add_constraint(std::uint32_t edge) {
   constraints_.push_back({edge, tree_.level[a], begin, middle, path_.size()});
 }
 
-double Toro::rate(std::uint32_t n) {
-  return 1.0 / (1.0 + static_cast<double>(n) / 10.0);
+double Toro::rate(std::uint32_t n, std::uint32_t passes) {
+  const double left = 1.0 - static_cast<double>(n) / passes;
+  return 10.0 * left * left * left;
 }
 
 double Toro::pass(std::span<const double> weight, double rate) {

