@@ -14,7 +14,7 @@ namespace flirt {
 namespace {
 
 constexpr std::uint32_t iterations_per_round = 4;  // of graduated non-convexity: the next round's loss is near
-constexpr double settled = 1e-9;                   // m or rad; a pass of toro that moves no node further is the last
+constexpr double settled = 1e-6;                   // m or rad; a pass of toro that corrects no edge by more is the last
 
 struct Outcome {
   std::uint32_t iterations{0};

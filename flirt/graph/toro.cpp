@@ -65,12 +65,14 @@ double Toro::pass(std::span<const double> weight, double rate) {
   FLIRT_ASSERT(weight.size() == graph_.edges.size());
   read_poses();
   gather_stiffness(weight);
+  double largest = 0;
   for (const Constraint& constraint : constraints_) {
     if (!(weight[constraint.edge] > 0)) { continue; }
-    turn(constraint, weight[constraint.edge], rate);
-    move(constraint, weight[constraint.edge], rate);
+    largest = std::max(largest, turn(constraint, weight[constraint.edge], rate));
+    largest = std::max(largest, move(constraint, weight[constraint.edge], rate));
   }
-  return write_poses();
+  write_poses();
+  return largest;
 }
 
 void Toro::read_poses() {
@@ -80,16 +82,11 @@ void Toro::read_poses() {
   }
 }
 
-double Toro::write_poses() {
-  double largest = 0;
+void Toro::write_poses() {
   for (const std::uint32_t node : tree_.order) {
     if (tree_.parent[node] == no_node) { continue; }
-    const Pose2 old = graph_.map_from_node[node];
-    Pose2& pose = graph_.map_from_node[node];
-    pose = graph_.map_from_node[tree_.parent[node]] * parent_from_node_[node];
-    largest = std::max({largest, distance(old, pose), heading_difference(old, pose)});
+    graph_.map_from_node[node] = graph_.map_from_node[tree_.parent[node]] * parent_from_node_[node];
   }
-  return largest;
 }
 
 void Toro::gather_stiffness(std::span<const double> weight) {
@@ -111,7 +108,7 @@ Pose2 Toro::end_of(std::size_t begin, std::size_t end) const {
   return top_from_node;
 }
 
-void Toro::turn(const Constraint& constraint, double weight, double rate) {
+double Toro::turn(const Constraint& constraint, double weight, double rate) {
   const PoseEdge& edge = graph_.edges[constraint.edge];
   double error = -edge.a_from_b.theta;
   double compliance = 0;
@@ -120,22 +117,23 @@ void Toro::turn(const Constraint& constraint, double weight, double rate) {
     error += k < constraint.middle ? -theta : theta;
     compliance += 1 / stiffness_[path_[k]].heading;
   }
-  if (!std::isfinite(compliance)) { return; }  // no edge of the path measured headings
-  const double correction = -gain(weight * edge.information(2, 2), compliance, rate) * wrap_angle(error) / compliance;
+  if (!std::isfinite(compliance)) { return 0; }  // no edge of the path measured headings
+  const double whole = -gain(weight * edge.information(2, 2), compliance, rate) * wrap_angle(error);
   for (std::size_t k = constraint.begin; k < constraint.end; ++k) {
     double& theta = parent_from_node_[path_[k]].theta;
-    const double share = correction / stiffness_[path_[k]].heading;
+    const double share = whole / compliance / stiffness_[path_[k]].heading;
     theta = wrap_angle(k < constraint.middle ? theta - share : theta + share);
   }
+  return std::abs(whole);
 }
 
-void Toro::move(const Constraint& constraint, double weight, double rate) {
+double Toro::move(const Constraint& constraint, double weight, double rate) {
   const PoseEdge& edge = graph_.edges[constraint.edge];
   double compliance = 0;
   for (std::size_t k = constraint.begin; k < constraint.end; ++k) {
     compliance += 1 / stiffness_[path_[k]].position;
   }
-  if (!std::isfinite(compliance)) { return; }
+  if (!std::isfinite(compliance)) { return 0; }
   const Pose2 top_from_a = end_of(constraint.begin, constraint.middle);
   const Pose2 top_from_b = end_of(constraint.middle, constraint.end);
   const Pose2 top_from_measured = top_from_a * edge.a_from_b;
@@ -146,6 +144,7 @@ void Toro::move(const Constraint& constraint, double weight, double rate) {
   const Point2 whole = (1 / compliance) * rotated(top_from_measured.theta, corrected);
   shift(constraint.begin, constraint.middle, -1.0 * whole);
   shift(constraint.middle, constraint.end, whole);
+  return norm(corrected);
 }
 
 /// Moves the nodes of a part of the path, in the frame of the topmost node, each by its share of `whole` and by those

@@ -27,7 +27,7 @@ class Toro {
 
   /// One pass over all edges; moves the graph's poses. `weight` is one factor on the information of each edge,
   /// `rate` the factor on the part of its error that an edge's share of the information allows it to correct; no edge
-  /// corrects more than all. Returns the largest change of a node's pose, m or rad. O(Σ path lengths).
+  /// corrects more than all. Returns the largest correction of an edge, m or rad. O(Σ path lengths).
   double pass(std::span<const double> weight, double rate);
 
   /// The learning rate of the n-th of `passes` passes: 10 (1 − n / passes)³. Olson's 1 / n is far from done after 100
@@ -51,11 +51,12 @@ class Toro {
 
   void add_constraint(std::uint32_t edge);
   void read_poses();
-  [[nodiscard]] double write_poses();
+  void write_poses();
   void gather_stiffness(std::span<const double> weight);
   [[nodiscard]] Pose2 end_of(std::size_t begin, std::size_t end) const;
-  void turn(const Constraint& constraint, double weight, double rate);
-  void move(const Constraint& constraint, double weight, double rate);
+  /// Each spreads a part of the edge's error over its path and returns how much, rad and m.
+  double turn(const Constraint& constraint, double weight, double rate);
+  double move(const Constraint& constraint, double weight, double rate);
   void shift(std::size_t begin, std::size_t end, Point2 whole);
 
   PoseGraph& graph_;
