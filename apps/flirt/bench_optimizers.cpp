@@ -38,7 +38,8 @@ double cpu_seconds() {
 }
 
 nlohmann::ordered_json error_json(const TrajectoryError& error) {
-  return {{"ate_m", error.translation.rmse}, {"max_m", error.translation.max}, {"ate_deg", error.rotation_degrees.rmse}};
+  return {
+      {"ate_m", error.translation.rmse}, {"max_m", error.translation.max}, {"ate_deg", error.rotation_degrees.rmse}};
 }
 
 nlohmann::ordered_json run_backend(const Options& options, Backend backend, const PoseGraph& start,
@@ -49,14 +50,10 @@ nlohmann::ordered_json run_backend(const Options& options, Backend backend, cons
   const double before = cpu_seconds();
   const OptimizeSummary summary = optimize(graph, params);
   const double seconds = cpu_seconds() - before;
-  nlohmann::ordered_json json{{"backend", to_string(backend)},
-                              {"cpu_seconds", seconds},
-                              {"wall_seconds", summary.seconds},
-                              {"iterations", summary.iterations},
-                              {"converged", summary.converged},
-                              {"initial_chi2", summary.initial_chi2},
-                              {"final_chi2", summary.final_chi2},
-                              {"rejected", summary.rejected.size()}};
+  nlohmann::ordered_json json{{"backend", to_string(backend)},    {"cpu_seconds", seconds},
+                              {"wall_seconds", summary.seconds},  {"iterations", summary.iterations},
+                              {"converged", summary.converged},   {"initial_chi2", summary.initial_chi2},
+                              {"final_chi2", summary.final_chi2}, {"rejected", summary.rejected.size()}};
   json.update(error_json(error_against(published, graph)));
   return json;
 }

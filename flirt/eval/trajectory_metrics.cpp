@@ -19,12 +19,15 @@ class StampIndex {
     std::stable_sort(by_stamp_.begin(), by_stamp_.end(),
                      [&](std::size_t a, std::size_t b) { return poses[a].stamp < poses[b].stamp; });
   }
+  /// The next pose with the same stamp that `taken` does not hold, in order of the trajectory.
+  [[nodiscard]] std::optional<std::size_t> first_free(std::size_t i, const std::vector<bool>& taken) const {
+    auto place = at_or_after(poses_[i].stamp);
+    while (place != by_stamp_.end() && poses_[*place].stamp == poses_[i].stamp && taken[*place]) { ++place; }
+    if (place == by_stamp_.end() || poses_[*place].stamp != poses_[i].stamp) { return std::nullopt; }
+    return *place;
+  }
   /// Index of the nearest pose within `tolerance`, of equals the first in order of the trajectory.
   [[nodiscard]] std::optional<std::size_t> nearest(double stamp, double tolerance) const {
-    const auto at_or_after = [&](double value) {
-      return std::lower_bound(by_stamp_.begin(), by_stamp_.end(), value,
-                              [&](std::size_t i, double s) { return poses_[i].stamp < s; });
-    };
     std::optional<std::size_t> best;
     const auto offer = [&](std::size_t i) {
       const double gap = std::abs(poses_[i].stamp - stamp);
@@ -37,6 +40,10 @@ class StampIndex {
   }
 
  private:
+  [[nodiscard]] std::vector<std::size_t>::const_iterator at_or_after(double stamp) const {
+    return std::lower_bound(by_stamp_.begin(), by_stamp_.end(), stamp,
+                            [&](std::size_t i, double value) { return poses_[i].stamp < value; });
+  }
   std::span<const StampedPose> poses_;
   std::vector<std::size_t> by_stamp_;
 };
@@ -67,8 +74,7 @@ std::vector<double> way_of(std::span<const PosePair> pairs) {
 std::size_t nearest_after(const std::vector<double>& way, std::size_t i, double target) {
   const auto first = way.begin() + static_cast<std::ptrdiff_t>(i + 1);
   auto found = std::lower_bound(first, way.end(), target);
-  const bool is_before_nearer =
-      found != first && (found == way.end() || target - *(found - 1) <= *found - target);
+  const bool is_before_nearer = found != first && (found == way.end() || target - *(found - 1) <= *found - target);
   if (is_before_nearer) { found = std::lower_bound(first, way.end(), *(found - 1)); }
   return static_cast<std::size_t>(found - way.begin());
 }
@@ -81,8 +87,9 @@ PairedTrajectory pairs_by_stamp(std::span<const StampedPose> estimate, std::span
   std::vector<bool> taken(truth.size(), false);
   PairedTrajectory paired;
   for (const auto& [stamp, pose] : estimate) {
-    const auto partner = index.nearest(stamp, tolerance);
-    if (!partner || taken[*partner]) {
+    auto partner = index.nearest(stamp, tolerance);
+    if (partner) { partner = index.first_free(*partner, taken); }
+    if (!partner) {
       ++paired.skipped;
       continue;
     }
@@ -112,8 +119,8 @@ Pose2 align_trajectories(std::span<const PosePair> pairs) {
     spread += norm(estimate) * norm(truth);
   }
   const bool has_rotation = std::hypot(dots, crosses) > 1e-12 * spread;
-  const double theta = has_rotation ? std::atan2(crosses, dots)
-                                    : wrap_angle(pairs.front().truth.theta - pairs.front().estimate.theta);
+  const double theta =
+      has_rotation ? std::atan2(crosses, dots) : wrap_angle(pairs.front().truth.theta - pairs.front().estimate.theta);
   const Point2 rotated_mean = Pose2{0, 0, theta} * estimate_mean;
   return {truth_mean.x - rotated_mean.x, truth_mean.y - rotated_mean.y, theta};
 }

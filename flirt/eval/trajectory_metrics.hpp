@@ -27,8 +27,8 @@ struct PairedTrajectory {
   std::vector<PosePair> pairs{};  ///< in order of the estimate
   std::size_t skipped{0};         ///< poses of the estimate without a partner
 };
-/// Pairs each pose of the estimate with the pose of the truth whose stamp is nearest and within `tolerance` s; a true
-/// pose has one partner at most, the first in order of the estimate. O((n + m) log m).
+/// Pairs each pose of the estimate with the pose of the truth whose stamp is nearest and within `tolerance` s. A true
+/// pose has one partner at most; where stamps repeat, poses pair in their order. O((n + m) log m) for distinct stamps.
 [[nodiscard]] PairedTrajectory pairs_by_stamp(std::span<const StampedPose> estimate, std::span<const StampedPose> truth,
                                               double tolerance = 0.0005);
 

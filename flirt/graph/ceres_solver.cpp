@@ -92,8 +92,11 @@ struct CeresSolver::Problem {
 };
 
 CeresSolver::CeresSolver(PoseGraph& graph, std::uint32_t fixed_node, RobustLoss loss, double loss_width)
-    : problem_(new Problem{
-          graph, std::vector<std::array<double, 3>>(graph.map_from_node.size()), {}, {}, ceres::Problem(ours_to_keep())}) {
+    : problem_(new Problem{graph,
+                           std::vector<std::array<double, 3>>(graph.map_from_node.size()),
+                           {},
+                           {},
+                           ceres::Problem(ours_to_keep())}) {
   Problem& p = *problem_;
   for (auto& pose : p.poses) { p.problem.AddParameterBlock(pose.data(), 3); }
   for (const PoseEdge& edge : graph.edges) {

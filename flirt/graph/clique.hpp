@@ -37,8 +37,8 @@ struct Clique {
 };
 
 /// A clique by greed (Pattabiraman et al. 2015: from each member whose degree allows a larger set, the neighbour of
-/// highest degree, and so on), then, while no more than `most_branches` branches were taken, exactly by branch and bound
-/// with a colouring as the bound (Tomita and Seki 2003). The same input gives the same clique.
+/// highest degree, and so on), then, while no more than `most_branches` branches were taken, exactly by branch and
+/// bound with a colouring as the bound (Tomita and Seki 2003). The same input gives the same clique.
 [[nodiscard]] Clique largest_clique(const AgreementMatrix& agreement, std::uint64_t most_branches);
 
 }  // namespace flirt

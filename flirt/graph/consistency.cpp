@@ -19,7 +19,9 @@ class MotionChain {
       if (edge.kind != EdgeKind::motion || edge.a == edge.b || !relative_pose(edge)) { continue; }
       const std::uint32_t child = std::max(edge.a, edge.b);
       const PoseEdge* const other = to_predecessor[child];
-      if (other == nullptr || std::min(edge.a, edge.b) > std::min(other->a, other->b)) { to_predecessor[child] = &edge; }
+      if (other == nullptr || std::min(edge.a, edge.b) > std::min(other->a, other->b)) {
+        to_predecessor[child] = &edge;
+      }
     }
     for (std::uint32_t node = 0; node < nodes_.size(); ++node) { hang(node, to_predecessor[node]); }
   }
@@ -39,7 +41,7 @@ class MotionChain {
  private:
   struct Node {
     std::uint32_t parent{no_node};
-    std::uint32_t branch{0};        ///< first node of the unbranched run that this node is in
+    std::uint32_t branch{0};  ///< first node of the unbranched run that this node is in
     std::uint32_t last_child{no_node};
     Pose2 start_from_node{};
     Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};  ///< stated in the start's frame
@@ -57,8 +59,7 @@ class MotionChain {
     const RelativePose parent_from_node = edge->b == i ? measured : inverse(measured);
     node.start_from_node = parent.start_from_node * parent_from_node.a_from_b;
     const Eigen::Matrix3d start_from_node = adjoint(node.start_from_node);
-    node.covariance =
-        parent.covariance + start_from_node * parent_from_node.covariance * start_from_node.transpose();
+    node.covariance = parent.covariance + start_from_node * parent_from_node.covariance * start_from_node.transpose();
   }
 
   /// Parents have lower indices than their children, within a run as between runs.
@@ -123,9 +124,8 @@ std::vector<std::uint32_t> consistent_loops(const PoseGraph& graph, const Consis
     }
   }
   std::vector<std::uint32_t> edges;
-  for (const std::uint32_t i : largest_clique(agreement, params.most_branches).members) {
-    edges.push_back(loops[i].edge);
-  }
+  const std::uint64_t branches = loops.size() <= params.exact_limit ? params.most_branches : 0;
+  for (const std::uint32_t i : largest_clique(agreement, branches).members) { edges.push_back(loops[i].edge); }
   return edges;
 }
 

@@ -52,13 +52,15 @@ void visit_fields(Params& params, Visitor&& visit) {
 
 struct ConsistencyParams {
   double limit{11.345};                 ///< squared Mahalanobis distance of two loops' cycle: χ²₃ at 0.99
-  std::uint64_t most_branches{100000};  ///< of the exact search for the largest set; then the best found counts
+  std::uint32_t exact_limit{300};       ///< up to so many loops the largest set is searched exactly, else by greed
+  std::uint64_t most_branches{100000};  ///< of the exact search; then the best found counts
 };
 
 template <class Params, class Visitor>
   requires std::same_as<std::remove_const_t<Params>, ConsistencyParams>
 void visit_fields(Params& params, Visitor&& visit) {
   visit(params.limit, Field{"limit", "1", "largest squared Mahalanobis distance of a cycle of two loops", 0.0, 1e9});
+  visit(params.exact_limit, Field{"exact_limit", "", "loops up to which the largest set is searched exactly"});
   visit(params.most_branches, Field{"most_branches", "", "of the exact search for the largest consistent set"});
 }
 

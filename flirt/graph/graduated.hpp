@@ -32,9 +32,7 @@ struct Graduation {
     return std::sqrt(limit / error2 * control * (control + 1)) - control;
   }
   /// The loss is as bounded as it gets.
-  [[nodiscard]] bool is_last() const {
-    return kind == Graduated::geman_mcclure ? control <= 1 : control >= 1e4;
-  }
+  [[nodiscard]] bool is_last() const { return kind == Graduated::geman_mcclure ? control <= 1 : control >= 1e4; }
   [[nodiscard]] Graduation next() const {
     constexpr double factor = 1.4;  // remark 5
     return {kind, limit, kind == Graduated::geman_mcclure ? std::max(1.0, control / factor) : control * factor};

@@ -41,12 +41,12 @@ constexpr auto enum_names(Graduated /*tag*/) {
 }
 
 struct OptimizeParams {
-  Backend backend{Backend::ceres};        ///< method
-  std::uint32_t iterations{100};          ///< at most; under `graduated` in its last round
-  RobustLoss loss{RobustLoss::none};      ///< of loop edges; not used under `graduated`
-  double loss_width{3.37};                ///< Mahalanobis distance where the loss bends: √χ²₃ at 0.99
-  Graduated graduated{Graduated::off};    ///< weights of loop edges by graduated non-convexity
-  std::uint32_t fixed_node{0};            ///< keeps its pose; other parts of the graph keep their first node's
+  Backend backend{Backend::ceres};      ///< method
+  std::uint32_t iterations{100};        ///< at most; under `graduated` in its last round
+  RobustLoss loss{RobustLoss::none};    ///< of loop edges; not used under `graduated`
+  double loss_width{3.37};              ///< Mahalanobis distance where the loss bends: √χ²₃ at 0.99
+  Graduated graduated{Graduated::off};  ///< weights of loop edges by graduated non-convexity
+  std::uint32_t fixed_node{0};          ///< keeps its pose; other parts of the graph keep their first node's
 };
 
 template <class Params, class Visitor>
@@ -61,8 +61,8 @@ void visit_fields(Params& params, Visitor&& visit) {
 }
 
 struct OptimizeSummary {
-  double initial_chi2{0};                 ///< over all edges
-  double final_chi2{0};                   ///< over all edges that were not rejected
+  double initial_chi2{0};  ///< over all edges
+  double final_chi2{0};    ///< over all edges that were not rejected
   std::uint32_t iterations{0};
   bool converged{false};                  ///< at a minimum; toro: the last tenth of its passes changed χ² by ≤ 1 %
   std::vector<std::uint32_t> rejected{};  ///< indices of loop edges with a final weight below one half

@@ -25,8 +25,8 @@ enum class TreeEdges : std::uint8_t {
 };
 
 /// Hangs each node under its neighbour of lowest index that the tree reached before it (Grisetti, Stachniss and Burgard
-/// 2009, §IV-B: paths in such a tree are short where the robot came back). The part of `root` hangs from it, every other
-/// part from its node of lowest index. Edges of a node with itself are left out. O(edges log edges).
+/// 2009, §IV-B: paths in such a tree are short where the robot came back). The part of `root` hangs from it, every
+/// other part from its node of lowest index. Edges of a node with itself are left out. O(edges log edges).
 [[nodiscard]] SpanningTree spanning_tree(const PoseGraph& graph, std::uint32_t root = 0,
                                          TreeEdges edges = TreeEdges::all);
 

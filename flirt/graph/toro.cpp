@@ -26,7 +26,9 @@ double gain(double information, double compliance, double rate) {
 }  // namespace
 
 Toro::Toro(PoseGraph& graph, std::uint32_t fixed_node)
-    : graph_(graph), tree_(spanning_tree(graph, fixed_node)), parent_from_node_(graph.map_from_node.size()),
+    : graph_(graph),
+      tree_(spanning_tree(graph, fixed_node)),
+      parent_from_node_(graph.map_from_node.size()),
       stiffness_(graph.map_from_node.size()) {
   for (std::uint32_t edge = 0; edge < graph.edges.size(); ++edge) {
     if (graph.edges[edge].a != graph.edges[edge].b) { add_constraint(edge); }
@@ -130,9 +132,7 @@ double Toro::turn(const Constraint& constraint, double weight, double rate) {
 double Toro::move(const Constraint& constraint, double weight, double rate) {
   const PoseEdge& edge = graph_.edges[constraint.edge];
   double compliance = 0;
-  for (std::size_t k = constraint.begin; k < constraint.end; ++k) {
-    compliance += 1 / stiffness_[path_[k]].position;
-  }
+  for (std::size_t k = constraint.begin; k < constraint.end; ++k) { compliance += 1 / stiffness_[path_[k]].position; }
   if (!std::isfinite(compliance)) { return 0; }
   const Pose2 top_from_a = end_of(constraint.begin, constraint.middle);
   const Pose2 top_from_b = end_of(constraint.middle, constraint.end);

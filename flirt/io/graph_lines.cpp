@@ -91,7 +91,9 @@ void take_edge(Fields& fields, Gathered& gathered, const Dialect& dialect, std::
     edge.edge.information(column, row) = value;
   }
   fields.end();
-  if (edge.a == edge.b) { fields.complain("expected two vertices, found an edge of " + std::to_string(edge.a) + " with itself"); }
+  if (edge.a == edge.b) {
+    fields.complain("expected two vertices, found an edge of " + std::to_string(edge.a) + " with itself");
+  }
   if (fields.complaint().empty() && !is_semi_definite(edge.edge.information)) {
     fields.complain("expected a positive semi-definite information matrix, found another");
   }
@@ -183,9 +185,7 @@ Result<GraphFile> read(const std::filesystem::path& path, const Dialect& dialect
     if (!line) { return tl::unexpected(line.error()); }
     if (!*line) { break; }
     const std::string complaint = take_line(**line, dialect, gathered, skipped);
-    if (!complaint.empty()) {
-      return fail(lines->name() + ':' + std::to_string((*line)->number) + ": " + complaint);
-    }
+    if (!complaint.empty()) { return fail(lines->name() + ':' + std::to_string((*line)->number) + ": " + complaint); }
   }
   auto file = assemble(std::move(gathered), lines->name(), dialect);
   if (file) { file->lines_skipped = std::move(skipped); }

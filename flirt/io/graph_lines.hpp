@@ -30,9 +30,9 @@ namespace flirt::graph_lines {
 
 /// What tells the formats apart.
 struct Dialect {
-  std::string_view vertex;  ///< VERTEX id x y theta
-  std::string_view edge;    ///< EDGE a b x y theta and six entries of the information
-  std::string_view fix;     ///< FIX id…; empty: the format has none
+  std::string_view vertex;                         ///< VERTEX id x y theta
+  std::string_view edge;                           ///< EDGE a b x y theta and six entries of the information
+  std::string_view fix;                            ///< FIX id…; empty: the format has none
   std::array<std::pair<int, int>, 6> information;  ///< rows and columns, in the order of the file
 };
 

@@ -55,8 +55,8 @@ TEST(ShortestPath, TakesTheDetourOfLessUncertainty) {
     graph.edges.push_back({.a = a, .b = b, .a_from_b = a_from_b});
     graph.edges.back().information = Eigen::Matrix3d::Identity() / (deviation * deviation);
   };
-  add(0, 3, {9, 9, 0}, 1.0);   // direct, and bad
-  add(0, 1, {1, 0, 0}, 0.1);   // 0 → 1 → 2 → 3, one of them against its direction
+  add(0, 3, {9, 9, 0}, 1.0);  // direct, and bad
+  add(0, 1, {1, 0, 0}, 0.1);  // 0 → 1 → 2 → 3, one of them against its direction
   add(2, 1, {-1, 0, 0}, 0.1);
   add(2, 3, {1, 0, 0}, 0.1);
   const auto path = shortest_path(graph, 0, 3);
@@ -92,7 +92,8 @@ TEST(Gate, PassesNineteenOfTwentyRightLoopsAndNoWrongOne) {
     passed += passes_gate(drawn, measured(known.truth, 0, 60, EdgeKind::loop, {0.01, 0.004}, rng)) ? 1 : 0;
   }
   EXPECT_NEAR(passed, 0.95 * tries, 0.03 * tries);
-  EXPECT_FALSE(passes_gate(motion, {.a = 0, .b = 120, .a_from_b = {5, 5, 0}, .information = 1e4 * Eigen::Matrix3d::Identity()}));
+  EXPECT_FALSE(
+      passes_gate(motion, {.a = 0, .b = 120, .a_from_b = {5, 5, 0}, .information = 1e4 * Eigen::Matrix3d::Identity()}));
 }
 
 std::size_t size_by_trying_all(const AgreementMatrix& agreement) {

@@ -25,8 +25,8 @@ inline PoseEdge measured(const std::vector<Pose2>& truth, std::uint32_t a, std::
   const double position = noise.position > 0 ? noise.position : 0.01;
   const double heading = noise.heading > 0 ? noise.heading : 0.01;
   PoseEdge edge{.a = a, .b = b, .a_from_b = inverse(truth[a]) * truth[b] * error, .kind = kind};
-  edge.information = Eigen::Vector3d(1 / (position * position), 1 / (position * position), 1 / (heading * heading))
-                         .asDiagonal();
+  edge.information =
+      Eigen::Vector3d(1 / (position * position), 1 / (position * position), 1 / (heading * heading)).asDiagonal();
   return edge;
 }
 

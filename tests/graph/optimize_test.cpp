@@ -22,7 +22,8 @@ void gauss_newton(PoseGraph& graph, int iterations) {
       jacobian << linear.by_a, linear.by_b;
       const Eigen::Matrix<double, 6, 6> h = jacobian.transpose() * edge.information * jacobian;
       const Eigen::Matrix<double, 6, 1> g = jacobian.transpose() * edge.information * linear.error;
-      const std::array<Eigen::Index, 2> at{static_cast<Eigen::Index>(3 * edge.a), static_cast<Eigen::Index>(3 * edge.b)};
+      const std::array<Eigen::Index, 2> at{static_cast<Eigen::Index>(3 * edge.a),
+                                           static_cast<Eigen::Index>(3 * edge.b)};
       for (std::size_t i = 0; i < 2; ++i) {
         const auto row = static_cast<Eigen::Index>(3 * i);
         gradient.segment<3>(at.at(i)) += g.segment<3>(row);
