@@ -16,8 +16,9 @@ class StampIndex {
  public:
   explicit StampIndex(std::span<const StampedPose> poses) : poses_(poses), by_stamp_(poses.size()) {
     std::iota(by_stamp_.begin(), by_stamp_.end(), std::size_t{0});
-    std::stable_sort(by_stamp_.begin(), by_stamp_.end(),
-                     [&](std::size_t a, std::size_t b) { return poses[a].stamp < poses[b].stamp; });
+    std::sort(by_stamp_.begin(), by_stamp_.end(), [&](std::size_t a, std::size_t b) {
+      return poses[a].stamp != poses[b].stamp ? poses[a].stamp < poses[b].stamp : a < b;
+    });
   }
   /// The next pose with the same stamp that `taken` does not hold, in order of the trajectory.
   [[nodiscard]] std::optional<std::size_t> first_free(std::size_t i, const std::vector<bool>& taken) const {

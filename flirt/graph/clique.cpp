@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <numeric>
+#include <ranges>
 
 namespace flirt {
 namespace {
@@ -40,8 +41,9 @@ class CliqueSearch {
       : agreement_(agreement), branches_left_(most_branches), by_degree_(agreement.size()) {
     for (std::size_t i = 0; i < agreement.size(); ++i) { degree_.push_back(count(neighbours(i))); }
     std::iota(by_degree_.begin(), by_degree_.end(), 0U);
-    std::stable_sort(by_degree_.begin(), by_degree_.end(),
-                     [this](std::uint32_t a, std::uint32_t b) { return degree_[a] > degree_[b]; });
+    std::sort(by_degree_.begin(), by_degree_.end(), [this](std::uint32_t a, std::uint32_t b) {
+      return degree_[a] != degree_[b] ? degree_[a] > degree_[b] : a < b;
+    });
   }
 
   Clique run() {
@@ -104,14 +106,14 @@ class CliqueSearch {
 
   void expand(Set candidates) {
     const std::vector<Coloured> list = coloured(candidates);
-    for (auto last = list.rbegin(); last != list.rend(); ++last) {
-      if (current_.size() + last->colours <= best_.size() || branches_left_ == 0) { return; }
+    for (const Coloured& last : std::ranges::reverse_view(list)) {
+      if (current_.size() + last.colours <= best_.size() || branches_left_ == 0) { return; }
       --branches_left_;
-      current_.push_back(last->member);
-      const Set next = both(candidates, agreement_.row(last->member));
+      current_.push_back(last.member);
+      const Set next = both(candidates, agreement_.row(last.member));
       count(next) > 0 ? expand(next) : keep(current_);
       current_.pop_back();
-      take_out(candidates, last->member);
+      take_out(candidates, last.member);
     }
   }
 
