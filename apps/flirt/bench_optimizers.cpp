@@ -27,6 +27,7 @@ struct Options {
 /// The file's own poses are the truth; the index stands for the stamp.
 TrajectoryError error_against(const std::vector<Pose2>& published, const PoseGraph& graph) {
   std::vector<PosePair> pairs;
+  pairs.reserve(published.size());
   for (std::size_t i = 0; i < published.size(); ++i) {
     pairs.push_back({static_cast<double>(i), graph.map_from_node[i], published[i]});
   }
