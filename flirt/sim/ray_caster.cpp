@@ -87,6 +87,16 @@ double range_to_disc(const PlanDisc& disc, Point2 origin, Point2 direction, doub
 
 }  // namespace
 
+/// Range along the ray, at least `from`; +inf (or not a number) when they do not meet.
+inline double RayCaster::Surface::range(Point2 origin, Point2 direction, double from) const {
+  const double closing = dot(normal, direction);
+  if (std::abs(closing) <= parallel_sine) { return range_along(origin, direction, from); }
+  const double range = (offset - dot(normal, origin)) / closing;
+  const double at = dot(along, origin) + range * dot(along, direction);
+  const bool meets = (at >= first) & (at <= last) & (range >= from - slack);  // one branch instead of three
+  return meets ? std::max(range, from) : infinity;
+}
+
 RayCaster::Surface RayCaster::Surface::of(const PlanSegment& segment) {
   const Point2 way = segment.end - segment.begin;
   const double length = norm(way);
@@ -94,16 +104,6 @@ RayCaster::Surface RayCaster::Surface::of(const PlanSegment& segment) {
   const Point2 normal{-along.y, along.x};
   const double first = dot(along, segment.begin) - slack;
   return {normal, dot(normal, segment.begin), along, first, first + length + 2 * slack, segment.material};
-}
-
-/// Range along the ray, at least `from`; +inf (or not a number) when they do not meet.
-double RayCaster::Surface::range(Point2 origin, Point2 direction, double from) const {
-  const double closing = dot(normal, direction);
-  if (std::abs(closing) <= parallel_sine) { return range_along(origin, direction, from); }
-  const double range = (offset - dot(normal, origin)) / closing;
-  const double at = dot(along, origin) + range * dot(along, direction);
-  const bool meets = (at >= first) & (at <= last) & (range >= from - slack);  // one branch instead of three
-  return meets ? std::max(range, from) : infinity;
 }
 
 /// The same for a ray that runs along the line: the range to the nearer end.
