@@ -182,6 +182,7 @@ svg::Figure places_figure(const LocalizationBench& bench, const ScanLog& log) {
 
 std::vector<std::vector<std::string>> strategy_rows(const LocalizationBench& bench) {
   std::vector<std::vector<std::string>> rows;
+  rows.reserve(bench.strategies.size());
   for (const StrategyCurve& curve : bench.strategies) {
     rows.push_back({std::string(to_string(curve.strategy)), with_interval(curve.p_gl()),
                     interval_text(curve.recall_bootstrap), fmt::format("{:.3f}", curve.precision_at_least().value()),

@@ -66,6 +66,7 @@ std::vector<ScanFeatures> extract_all(const Options& options, const Session& ses
   const std::size_t first = options.scan.value_or(0);
   std::vector<ScanFeatures> results(options.scan ? 1 : log.scans.size());
   std::vector<Worker> workers;
+  workers.reserve(thread_count(session.threads));
   for (std::size_t i = 0; i < thread_count(session.threads); ++i) { workers.emplace_back(params); }
   parallel_for(
       results.size(), session.threads,

@@ -6,7 +6,7 @@
 #include <exception>
 
 int main(int argc, char** argv) {
-  using namespace flirt::app;
+  using namespace flirt::app;  // NOLINT(google-build-using-namespace): every second word here is from there
   CLI::App program{"Interest regions for 2D laser scans: matching, localization, mapping.", "flirt"};
   program.set_version_flag("--version", "flirt " FLIRT_VERSION " (" FLIRT_COMMIT ")");
   program.require_subcommand(1);

@@ -180,6 +180,7 @@ std::vector<Point2> moved_points(const Scan& scan, const Pose2& plan_from_sensor
 
 std::vector<Point2> moved_keypoints(const Features& features, const Pose2& plan_from_sensor) {
   std::vector<Point2> points;
+  points.reserve(features.keypoints.size());
   for (const Keypoint& keypoint : features.keypoints) {
     points.push_back(plan_from_sensor * keypoint.sensor_from_keypoint.translation());
   }

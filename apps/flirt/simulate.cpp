@@ -75,6 +75,7 @@ ScanLog log_to_write(const Simulation& simulation, LogPoses poses) {
 
 std::vector<StampedPose> truth_of(const ScanLog& log) {
   std::vector<StampedPose> trajectory;
+  trajectory.reserve(log.scans.size());
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
     trajectory.push_back({log.scans[i].stamp, log.map_from_robot[i]});
   }

@@ -9,7 +9,7 @@ namespace flirt {
 
 template <class T>
 struct CacheLineAllocator {
-  using value_type = T;
+  using value_type = T;  // NOLINT(readability-identifier-naming): the name that std::vector asks for
   static constexpr std::align_val_t alignment{64};
 
   CacheLineAllocator() = default;

@@ -256,7 +256,7 @@ struct Detector::State {
 
 Detector::Detector(DetectorParams params) : state_(std::make_unique<State>()) {
   state_->plan = std::visit([](const auto& alternative) { return make_plan(alternative); }, params);
-  state_->params = std::move(params);
+  state_->params = params;
 }
 Detector::~Detector() = default;
 Detector::Detector(Detector&&) noexcept = default;

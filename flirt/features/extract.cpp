@@ -6,7 +6,7 @@
 namespace flirt {
 
 FeatureExtractor::FeatureExtractor(FeatureParams params)
-    : params_(std::move(params)), detector_(params_.detector), describer_(params_.descriptor) {}
+    : params_(params), detector_(params_.detector), describer_(params_.descriptor) {}
 
 Features FeatureExtractor::extract(const Scan& scan, FeatureTrace* trace) {
   const std::span<const Keypoint> keypoints = detector_.detect(scan, trace == nullptr ? nullptr : &trace->detector);

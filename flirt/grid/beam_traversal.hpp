@@ -31,7 +31,7 @@ struct FixedPoint2 {
 
 /// The fixed point of a place given in cells.
 [[nodiscard]] inline FixedPoint2 fixed_point(Point2 in_cells) {
-  constexpr auto half = static_cast<double>(FixedPoint2::cell / 2);
+  constexpr double half = 0.5 * static_cast<double>(FixedPoint2::cell);
   return {2 * static_cast<std::int64_t>(std::floor(in_cells.x * half)) + 1,
           2 * static_cast<std::int64_t>(std::floor(in_cells.y * half)) + 1};
 }

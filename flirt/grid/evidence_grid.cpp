@@ -33,6 +33,12 @@ Fan beam_fan(const Scan& scan, const Pose2& map_from_sensor, const EvidenceGridP
   return fan;
 }
 
+/// Index of a cell within the cells of its tile.
+std::size_t index_in_tile(std::int32_t x, std::int32_t y) {
+  constexpr std::int32_t mask = EvidenceGrid::tile_side - 1;
+  return static_cast<std::size_t>(y & mask) * EvidenceGrid::tile_side + static_cast<std::size_t>(x & mask);
+}
+
 CellIndex tile_index(CellIndex cell) {
   return {cell.x >> tile_shift, cell.y >> tile_shift};
 }
@@ -109,7 +115,7 @@ void EvidenceGrid::count_beams(const Scan& scan, const Pose2& map_from_sensor) {
     return tiles[place];
   };
   std::uint64_t lost = 0;
-  const auto change_count = [&lost](Tile& tile, std::uint16_t& value) {
+  const auto change_count = [&](Tile& tile, std::uint16_t& value) {
     if constexpr (change == Change::add) {
       const bool full = value == std::numeric_limits<std::uint16_t>::max();
       value = static_cast<std::uint16_t>(value + (full ? 0 : 1));
@@ -122,7 +128,7 @@ void EvidenceGrid::count_beams(const Scan& scan, const Pose2& map_from_sensor) {
     }
   };
   const auto cell_of = [](Tile& tile, std::int32_t x, std::int32_t y) -> EvidenceCell& {
-    return tile.cells[static_cast<std::size_t>((y & (tile_side - 1)) * tile_side + (x & (tile_side - 1)))];
+    return tile.cells[index_in_tile(x, y)];
   };
   for (const FixedPoint2& end : fan.ends) {
     traverse(fan.sensor, end, [&](std::int32_t x, std::int32_t y) {
@@ -178,7 +184,7 @@ void EvidenceGrid::count(CellIndex index, EvidenceCell evidence) {
 EvidenceCell EvidenceGrid::cell(CellIndex index) const {
   const Tile* tile = find(tile_index(index));
   if (tile == nullptr) { return {}; }
-  return tile->cells[static_cast<std::size_t>((index.y & (tile_side - 1)) * tile_side + (index.x & (tile_side - 1)))];
+  return tile->cells[index_in_tile(index.x, index.y)];
 }
 
 std::optional<CellBox> EvidenceGrid::bounds() const {

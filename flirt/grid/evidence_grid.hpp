@@ -151,8 +151,8 @@ void EvidenceGrid::for_each_row(const Visit& visit) const {
   for (const Tile& tile : tiles_) {
     for (std::int32_t row = 0; row < tile_side; ++row) {
       const CellIndex first{tile.index.x * tile_side, tile.index.y * tile_side + row};
-      visit(first, std::span<const EvidenceCell>(tile.cells)
-                       .subspan(static_cast<std::size_t>(row * tile_side), static_cast<std::size_t>(tile_side)));
+      visit(first,
+            std::span<const EvidenceCell>(tile.cells).subspan(static_cast<std::size_t>(row) * tile_side, tile_side));
     }
   }
 }

@@ -92,11 +92,10 @@ std::string wrong_descriptors(std::size_t features, std::uint32_t dimension, std
 
 /// Empty when the columns fit together. Sizes come first: what follows relies on them.
 std::string complaint(const PlaceMapViews& columns, std::uint32_t dimension, std::uint32_t stride) {
-  const std::string shape =
-      first_of({wrong_descriptors(columns.x.size(), dimension, stride), wrong_sizes(columns, stride)});
+  std::string shape = first_of({wrong_descriptors(columns.x.size(), dimension, stride), wrong_sizes(columns, stride)});
   if (!shape.empty()) { return shape; }
-  const std::string begins = first_of({wrong_begins("range_begin", columns.range_begin, columns.ranges.size()),
-                                       wrong_begins("feature_begin", columns.feature_begin, columns.x.size())});
+  std::string begins = first_of({wrong_begins("range_begin", columns.range_begin, columns.ranges.size()),
+                                 wrong_begins("feature_begin", columns.feature_begin, columns.x.size())});
   if (!begins.empty()) { return begins; }
   return first_of({wrong_indices(columns), wrong_poses("map_from_sensor", columns.map_from_sensor),
                    wrong_poses("robot_from_sensor", columns.robot_from_sensor), wrong_numbers("x", columns.x),
@@ -290,6 +289,7 @@ Result<PlaceMap> build_place_map(const ScanLog& log, const FeatureParams& params
                                  const Progress& progress, MapVariances variances) {
   if (const std::string wrong = wrong_log(log); !wrong.empty()) { return fail(wrong); }
   std::vector<FeatureExtractor> extractors;
+  extractors.reserve(thread_count(threads));
   for (std::size_t i = 0; i < thread_count(threads); ++i) { extractors.emplace_back(params); }
   std::vector<Features> features(log.scans.size());
   parallel_for(

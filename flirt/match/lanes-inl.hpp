@@ -52,7 +52,7 @@ template <class Term>
 HWY_INLINE float sum_over_row(std::size_t stride, const Term& term) {
   const Floats d;
   FloatVector sum[parts];
-  for (std::size_t part = 0; part < parts; ++part) { sum[part] = hn::Zero(d); }
+  for (FloatVector& part : sum) { part = hn::Zero(d); }
   for (std::size_t k = 0; k < stride; k += 16) {
     for (std::size_t part = 0; part < parts; ++part) { sum[part] = hn::Add(sum[part], term(k + part * lanes)); }
   }

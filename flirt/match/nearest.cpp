@@ -104,7 +104,7 @@ void nearest_of_block(const float* columns, const float* query, std::size_t quer
   std::uint32_t guess[16];
   rows_of_largest_dot(dots, reference.count, guess);
   float needed[16];
-  for (std::size_t lane = 0; lane < 16; ++lane) { needed[lane] = 2.0F; }
+  std::ranges::fill(needed, 2.0F);
   for (std::size_t lane = 0; lane < queries; ++lane) {
     nearest[lane] = {reference.count, limit};
     const std::uint32_t j = guess[lane];

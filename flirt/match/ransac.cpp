@@ -219,11 +219,13 @@ std::vector<Match> with_distances(std::span<const IndexPair> inliers, std::span<
                                   const DescriptorRows& query, const DescriptorRows& reference) {
   std::vector<Match> result;
   result.reserve(inliers.size());
-  for (const auto& [i, j] : inliers) {
+  for (const IndexPair& pair : inliers) {
     const auto same = std::ranges::find_if(
-        matches, [i = i, j = j](const Match& match) { return match.query == i && match.reference == j; });
-    const float known = same != matches.end() ? same->distance : descriptor_distance(distance, query, i, reference, j);
-    result.push_back({i, j, known});
+        matches, [&](const Match& match) { return match.query == pair.query && match.reference == pair.reference; });
+    const float known = same != matches.end()
+                            ? same->distance
+                            : descriptor_distance(distance, query, pair.query, reference, pair.reference);
+    result.push_back({pair.query, pair.reference, known});
   }
   return result;
 }

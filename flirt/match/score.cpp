@@ -245,9 +245,13 @@ bool is_rigid_pair(const CandidateColumns& candidates, std::size_t i, std::size_
          std::min(query_squared, reference_squared) > limits.shortest_squared && agrees(i) && agrees(j);
 }
 
-float squared_distance_after(const Motion& motion, const CandidateColumns& c, std::size_t i) {
-  const float dx = motion.cosine * c.query_x[i] - motion.sine * c.query_y[i] + motion.x - c.reference_x[i];
-  const float dy = motion.sine * c.query_x[i] + motion.cosine * c.query_y[i] + motion.y - c.reference_y[i];
+float squared_distance_after(const Motion& reference_from_query, const CandidateColumns& candidates, std::size_t i) {
+  const float dx = reference_from_query.cosine * candidates.query_x[i] -
+                   reference_from_query.sine * candidates.query_y[i] + reference_from_query.x -
+                   candidates.reference_x[i];
+  const float dy = reference_from_query.sine * candidates.query_x[i] +
+                   reference_from_query.cosine * candidates.query_y[i] + reference_from_query.y -
+                   candidates.reference_y[i];
   return dx * dx + dy * dy;
 }
 

@@ -118,20 +118,31 @@ void walk(const CellGrid& grid, Point2 origin, Point2 direction, double from, do
         visit(CellVisit{grid.index(x.cell(), y.cell()), enter, std::min(x.leave(), y.leave()), crossed})) {
       return;
     }
+    // Both axes are spelled out: a reference to one of them would keep both walks out of the registers.
     if (steps < least_jump) {
-      crossed = x.leave() <= y.leave() ? GridAxis::x : GridAxis::y;
-      AxisWalk& next = crossed == GridAxis::x ? x : y;
-      enter = next.leave();
-      next.enter_next();
+      if (x.leave() <= y.leave()) {
+        crossed = GridAxis::x;
+        enter = x.leave();
+        x.enter_next();
+      } else {
+        crossed = GridAxis::y;
+        enter = y.leave();
+        y.enter_next();
+      }
     } else {  // the square of cells less than `steps` away is empty
       const double leave_x = x.leave_after(steps);
       const double leave_y = y.leave_after(steps);
-      crossed = leave_x <= leave_y ? GridAxis::x : GridAxis::y;
-      enter = std::min(leave_x, leave_y);
-      AxisWalk& next = crossed == GridAxis::x ? x : y;
-      AxisWalk& other = crossed == GridAxis::x ? y : x;
-      next.enter_cell(next.cell() + steps * next.step());
-      other.enter(enter, steps - 1);
+      if (leave_x <= leave_y) {
+        crossed = GridAxis::x;
+        enter = leave_x;
+        x.enter_cell(x.cell() + steps * x.step());
+        y.enter(enter, steps - 1);
+      } else {
+        crossed = GridAxis::y;
+        enter = leave_y;
+        y.enter_cell(y.cell() + steps * y.step());
+        x.enter(enter, steps - 1);
+      }
     }
     if (enter > to || !x.is_inside() || !y.is_inside()) { return; }
   }

@@ -27,8 +27,10 @@ double distance_to_pixels(const PixelPlan& image, Point2 point) {
   double nearest_squared = infinity;
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     if (image.pixels[i] != CellState::occupied) { continue; }
-    const double x = static_cast<double>(i % image.columns) * image.resolution;
-    const double y = static_cast<double>(i / image.columns) * image.resolution;
+    const std::size_t column = i % image.columns;
+    const std::size_t row = i / image.columns;
+    const double x = static_cast<double>(column) * image.resolution;
+    const double y = static_cast<double>(row) * image.resolution;
     const Point2 nearest{std::clamp(in_image.x, x, x + image.resolution),
                          std::clamp(in_image.y, y, y + image.resolution)};
     nearest_squared = std::min(nearest_squared, squared_norm(in_image - nearest));

@@ -15,8 +15,6 @@ namespace {
 
 constexpr float unreachable = std::numeric_limits<float>::infinity();
 constexpr double half_diagonal = 0.70710678118654757;  // of a cell, in cells
-constexpr double comfort = 0.6;                        // m, clearance above which a way costs no more than its length
-constexpr double crowding_cost = 4.0;                  // added cost per m at no clearance
 
 double cell_size_for(double area) {
   constexpr double max_cells = 12e6;
@@ -92,9 +90,13 @@ void sample_pixels(const PixelPlan& image, double step, const Mark& mark) {
   const int samples = 1 + static_cast<int>(std::ceil(image.resolution / step));
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     if (image.pixels[i] == CellState::free) { continue; }
+    const std::size_t column = i % image.columns;
+    const std::size_t row = i / image.columns;
     for (int k = 0; k < samples * samples; ++k) {
-      const double x = static_cast<double>(i % image.columns) + static_cast<double>(k % samples) / (samples - 1);
-      const double y = static_cast<double>(i / image.columns) + static_cast<double>(k / samples) / (samples - 1);
+      const int sample_column = k % samples;
+      const int sample_row = k / samples;
+      const double x = static_cast<double>(column) + static_cast<double>(sample_column) / (samples - 1);
+      const double y = static_cast<double>(row) + static_cast<double>(sample_row) / (samples - 1);
       mark(image.map_from_image * Point2{x * image.resolution, y * image.resolution});
     }
   }
@@ -126,9 +128,10 @@ std::int64_t FreeSpace::cell_of(Point2 point) const {
 }
 
 Point2 FreeSpace::center_of(std::size_t cell) const {
-  const std::size_t columns = static_cast<std::size_t>(columns_);
-  return origin_ +
-         cell_size_ * Point2{static_cast<double>(cell % columns) + 0.5, static_cast<double>(cell / columns) + 0.5};
+  const auto columns = static_cast<std::size_t>(columns_);
+  const std::size_t column = cell % columns;
+  const std::size_t row = cell / columns;
+  return origin_ + cell_size_ * Point2{static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5};
 }
 
 void FreeSpace::measure_distances(const FloorPlan& plan) {

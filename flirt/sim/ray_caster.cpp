@@ -87,24 +87,23 @@ double range_to_disc(const PlanDisc& disc, Point2 origin, Point2 direction, doub
 
 }  // namespace
 
-RayCaster::Surface::Surface(const PlanSegment& segment) : material(segment.material) {
-  const Point2 way = segment.end - segment.begin;
-  const double length = norm(way);
-  along = length > 0 ? (1 / length) * way : Point2{1, 0};
-  normal = {-along.y, along.x};
-  offset = dot(normal, segment.begin);
-  first = dot(along, segment.begin) - slack;
-  last = first + length + 2 * slack;
-}
-
 /// Range along the ray, at least `from`; +inf (or not a number) when they do not meet.
-double RayCaster::Surface::range(Point2 origin, Point2 direction, double from) const {
+inline double RayCaster::Surface::range(Point2 origin, Point2 direction, double from) const {
   const double closing = dot(normal, direction);
   if (std::abs(closing) <= parallel_sine) { return range_along(origin, direction, from); }
   const double range = (offset - dot(normal, origin)) / closing;
   const double at = dot(along, origin) + range * dot(along, direction);
   const bool meets = (at >= first) & (at <= last) & (range >= from - slack);  // one branch instead of three
   return meets ? std::max(range, from) : infinity;
+}
+
+RayCaster::Surface RayCaster::Surface::of(const PlanSegment& segment) {
+  const Point2 way = segment.end - segment.begin;
+  const double length = norm(way);
+  const Point2 along = length > 0 ? (1 / length) * way : Point2{1, 0};
+  const Point2 normal{-along.y, along.x};
+  const double first = dot(along, segment.begin) - slack;
+  return {normal, dot(normal, segment.begin), along, first, first + length + 2 * slack, segment.material};
 }
 
 /// The same for a ray that runs along the line: the range to the nearer end.
@@ -143,7 +142,7 @@ void RayCaster::place_surfaces(const FloorPlan& plan) {
   surfaces_.resize(end.first_surface);
   discs_.resize(end.first_disc);
   for (const PlanSegment& segment : plan.segments) {
-    const Surface surface(segment);
+    const Surface surface = Surface::of(segment);
     rasterize(grid_, segment, [&](std::size_t cell) { surfaces_[--cells_[cell].first_surface] = surface; });
   }
   for (const PlanDisc& disc : plan.discs) {

@@ -38,14 +38,14 @@ class RayCaster {
  private:
   /// A segment as a stretch of a line.
   struct Surface {
-    Point2 normal;  ///< unit vector
-    double offset;  ///< m, of the line from the origin along the normal
-    Point2 along;   ///< unit vector
-    double first;   ///< m, the stretch's ends along the line, first < last
-    double last;
-    Material material;
+    Point2 normal{};   ///< unit vector
+    double offset{0};  ///< m, of the line from the origin along the normal
+    Point2 along{};    ///< unit vector
+    double first{0};   ///< m, the stretch's ends along the line, first < last
+    double last{0};
+    Material material{Material::solid};
 
-    explicit Surface(const PlanSegment& segment = {});
+    [[nodiscard]] static Surface of(const PlanSegment& segment);
     [[nodiscard]] double range(Point2 origin, Point2 direction, double from) const;
     [[nodiscard]] double range_along(Point2 origin, Point2 direction, double from) const;
   };

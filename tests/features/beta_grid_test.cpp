@@ -3,12 +3,14 @@
 #include "flirt/core/rng.hpp"
 
 #include "tests/features/slow_beta_grid.hpp"
+#include "tests/support/print.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <numeric>
+#include <ostream>
 
 namespace flirt {
 namespace {
@@ -198,6 +200,11 @@ struct RandomCase {
   double angular_inflation;
   double radial_inflation;
   NoReturnMeaning no_return;
+
+  friend void PrintTo(const RandomCase& random, std::ostream* out) {
+    *out << random.angular_bins << " bins, inflated by " << random.angular_inflation << " rad, "
+         << random.radial_inflation << " m, no return " << to_string(random.no_return);
+  }
 };
 class BetaGridOnRandomScans : public testing::TestWithParam<RandomCase> {};
 

@@ -2,6 +2,7 @@
 
 #include "flirt/core/rng.hpp"
 
+#include "tests/support/print.hpp"
 #include "tests/support/scenes.hpp"
 
 #include <gmock/gmock.h>

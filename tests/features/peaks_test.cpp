@@ -2,6 +2,8 @@
 
 #include "flirt/core/rng.hpp"
 
+#include "tests/support/print.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

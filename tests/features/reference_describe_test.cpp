@@ -14,6 +14,7 @@
 
 #include "tests/features/slow_beta_grid.hpp"
 #include "tests/support/data.hpp"
+#include "tests/support/print.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <limits>
 #include <numbers>
+#include <ostream>
 #include <string>
 
 namespace flirt {
@@ -71,6 +72,10 @@ struct AngleCase {
   std::size_t beams;
   double first;  ///< degrees
   double last;   ///< degrees
+
+  friend void PrintTo(const AngleCase& angles, std::ostream* out) {
+    *out << angles.beams << " beams from " << angles.first << " to " << angles.last << " degrees";
+  }
 };
 class FlaserAngles : public testing::TestWithParam<AngleCase> {};
 
@@ -335,6 +340,8 @@ TEST(Carmen, ReadsTheFirstKindOfScanLinesUnlessToldOtherwise) {
 struct BrokenCase {
   std::string line;
   std::string complaint;
+
+  friend void PrintTo(const BrokenCase& broken, std::ostream* out) { *out << broken.complaint; }
 };
 class BrokenCarmenLine : public testing::TestWithParam<BrokenCase> {};
 

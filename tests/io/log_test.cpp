@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <ostream>
 #include <vector>
 
 namespace flirt {
@@ -28,6 +29,8 @@ struct RealLog {
   double laser_ahead;  ///< m
   double range_max;    ///< m
   std::size_t stamps_backwards;
+
+  friend void PrintTo(const RealLog& log, std::ostream* out) { *out << log.file; }
 };
 
 constexpr auto corrected = PoseSource::corrected;

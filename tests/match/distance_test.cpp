@@ -3,6 +3,7 @@
 #include "flirt/core/fields.hpp"
 
 #include "tests/match/random_features.hpp"
+#include "tests/support/print.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 #include "flirt/match/ransac.hpp"
 
 #include "tests/match/random_features.hpp"
+#include "tests/support/print.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 #include "flirt/registration/search.hpp"
 
 #include "rooms.hpp"
+#include "tests/support/print.hpp"
 
 #include <gtest/gtest.h>
 
