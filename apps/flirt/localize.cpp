@@ -28,6 +28,7 @@ struct Options {
   std::string log;
   std::optional<std::size_t> scan;
   std::size_t every{1};
+  std::size_t hypotheses{10};
   std::string svg;
   std::string out;
   bool summary_only{false};
@@ -111,8 +112,9 @@ nlohmann::ordered_json answer_json(std::size_t scan, const LocalizationResult& r
                                 {"search", times.search_us},
                                 {"rank", times.rank_us},
                                 {"refine", times.refine_us}}},
+                              {"places", result.hypotheses.size()},
                               {"hypotheses", nlohmann::ordered_json::array()}};
-  for (std::size_t i = 0; i < result.hypotheses.size(); ++i) {
+  for (std::size_t i = 0; i < std::min(result.hypotheses.size(), options.hypotheses); ++i) {
     const PoseHypothesis& hypothesis = result.hypotheses[i];
     json["hypotheses"].push_back(result.solution_set
                                      ? place_json(hypothesis, result.solution_set->places[i], *result.solution_set)
@@ -267,6 +269,7 @@ void add_localize(CLI::App& program, Session& session) {
   command->add_option("--every", options->every, "localize every K-th scan (default 1)")
       ->check(CLI::Range(1, 1000000))
       ->excludes(scan);
+  command->add_option("--hypotheses", options->hypotheses, "best places of a scan in the JSON, at most (default 10)");
   command->add_option("--svg", options->svg, "picture of one scan's answer, with --scan");
   command->add_option("-o,--output", options->out, "folder for report.html: success, times, and pictures");
   command->add_flag("--summary", options->summary_only, "print the summary alone, not a line for each scan");

@@ -12,8 +12,11 @@ void LocalizeFlags::add(CLI::App& command, ParamFlags& params) {
                   "where candidate poses come from: dense search, votes of features, auto, or the papers' matching of "
                   "single scans (default auto)")
       ->check(CLI::IsMember(names));
+  command.add_option("--largest-dense", params_.largest_dense,
+                     "blocks of 5 m² that a dense search may run over before auto asks the features (default 2000)");
   params.add(command, "fields", params_.fields);
   params.add(command, "search", params_.search);
+  params.add(command, "landmarks", params_.landmarks);
   params.add(command, "verdict", params_.verdict);
   params.add(command, "papers", params_.papers);
   params.add(command, "match", params_.papers.match);

@@ -14,6 +14,7 @@ namespace flirt::app {
 namespace {
 
 constexpr double least_shown_weight = 0.01;
+constexpr std::size_t most_shown = 12;                      // hypotheses in a picture
 constexpr double right_distance = 0.5;                      // m
 constexpr double right_heading = radians_from_degrees(10);  // rad
 
@@ -52,8 +53,7 @@ std::string answers_figure(std::span<const LocalizedScan> scans, std::vector<Poi
     group.at.push_back(scan.pose_in_log->translation());
   }
   svg::Plan plan;
-  plan.layers.emplace_back(
-      svg::Points{.at = std::move(points), .colour = svg::grey, .radius = 0.5, .opacity = 0.5, .legend = "map"});
+  plan.layers.emplace_back(svg::Points{.at = std::move(points), .colour = svg::grey, .radius = 0.8, .legend = "map"});
   for (svg::Points* group : {&right, &none, &wrong, &answers}) {
     if (!group->at.empty()) { plan.layers.emplace_back(std::move(*group)); }
   }
@@ -113,22 +113,22 @@ std::vector<Point2> map_points(const PlaceMap& map) {
 std::string localization_picture(std::vector<Point2> points, const Scan& scan, const LocalizationResult& result,
                                  const std::optional<Pose2>& pose_in_log, const std::string& title) {
   svg::Plan plan{.title = title};
-  plan.layers.emplace_back(
-      svg::Points{.at = std::move(points), .colour = svg::grey, .radius = 0.5, .opacity = 0.5, .legend = "map"});
+  plan.layers.emplace_back(svg::Points{.at = std::move(points), .colour = svg::grey, .radius = 0.8, .legend = "map"});
   if (const PoseHypothesis* best = result.best(); best != nullptr) {
     svg::Points ends{.colour = svg::blue, .radius = 1.0, .legend = "scan at the best pose"};
     for (const BeamPoint& end : hit_points(scan)) { ends.at.push_back(best->map_from_sensor * end.point); }
     plan.layers.emplace_back(std::move(ends));
   }
-  if (pose_in_log) {
-    plan.layers.emplace_back(svg::Robots{
-        .map_from_robot = {*pose_in_log}, .colour = svg::black, .length = 0.8, .legend = "pose in the log"});
-  }
   svg::Robots poses{.colour = svg::vermilion, .length = 0.6, .legend = "hypotheses"};
   for (const PoseHypothesis& hypothesis : result.hypotheses) {
-    if (hypothesis.weight >= least_shown_weight) { poses.map_from_robot.push_back(hypothesis.map_from_sensor); }
+    const bool shown = hypothesis.weight >= least_shown_weight && poses.map_from_robot.size() < most_shown;
+    if (shown) { poses.map_from_robot.push_back(hypothesis.map_from_sensor); }
   }
   plan.layers.emplace_back(std::move(poses));
+  if (pose_in_log) {
+    plan.layers.emplace_back(svg::Robots{
+        .map_from_robot = {*pose_in_log}, .colour = svg::black, .length = 1.0, .legend = "pose in the log"});
+  }
   return svg::to_svg({.panels = {plan}, .panel_width = 1000});
 }
 

@@ -38,15 +38,42 @@ std::vector<PoseHypothesis> hypotheses_of(const SolutionSet& set) {
 }  // namespace
 
 Localizer::Localizer(const PlaceMap& map, const LocalizeParams& params, std::size_t threads)
-    : params_(params),
+    : map_(map),
+      params_(params),
       detector_(map.feature_params().detector),
       describer_(map.feature_params().descriptor),
       evidence_(map, params.fields),
       finder_(map, params.papers, threads) {}
 
+std::vector<CoarsePose> Localizer::candidates(const MapFields& fields, const Scan& scan, const ScanPoints& points,
+                                              LocalizeTimes& times) {
+  Stopwatch stopwatch;
+  if (!votes_needed(fields)) {
+    std::vector<CoarsePose> coarse = dense_search(fields, points, params_.search.dense);
+    times.search_us = stopwatch.lap_us();
+    return coarse;
+  }
+  const Features features = features_of(scan, times);
+  stopwatch.lap_us();
+  const std::vector<Pose2> places = landmarks_->vote(features);
+  times.match_us = stopwatch.lap_us();
+  std::vector<CoarsePose> coarse = dense_search_near(fields, points, places, params_.search.dense);
+  times.search_us = stopwatch.lap_us();
+  return coarse;
+}
+
+bool Localizer::votes_needed(const MapFields& fields) const {
+  return params_.method == LocalizeMethod::features ||
+         (params_.method == LocalizeMethod::automatic && fields.coarse.blocks.size() > params_.largest_dense);
+}
+
 LocalizationResult Localizer::by_evidence(const Scan& scan, ScanInterval excluded, LocalizeTimes& times) {
   Stopwatch stopwatch;
   const MapFields& fields = evidence_.fields(excluded);
+  if (votes_needed(fields) && (!landmarks_ || excluded_ != excluded)) {
+    landmarks_.emplace(map_, params_.landmarks, excluded);
+    excluded_ = excluded;
+  }
   times.prepare_us = stopwatch.lap_us();
   LocalizationResult result;
   if (fields.empty()) {
@@ -55,8 +82,8 @@ LocalizationResult Localizer::by_evidence(const Scan& scan, ScanInterval exclude
   }
   const ScanPoints points = scan_points(scan, params_.search.points);
   result.points = static_cast<std::uint32_t>(points.size());
-  const std::vector<CoarsePose> coarse = dense_search(fields, points, params_.search.dense);
-  times.search_us = stopwatch.lap_us();
+  const std::vector<CoarsePose> coarse = candidates(fields, scan, points, times);
+  stopwatch.lap_us();
   const std::vector<Pose2> ranked = ranked_candidates(fields, points, coarse, params_.search);
   times.rank_us = stopwatch.lap_us();
   const std::vector<ScoredPose> poses = distinct(judge(fields, points, ranked, params_.search), params_.search);

@@ -13,6 +13,7 @@
 #include "flirt/features/describe.hpp"
 #include "flirt/features/detect.hpp"
 #include "flirt/map/evidence_without.hpp"
+#include "flirt/map/landmarks.hpp"
 #include "flirt/map/place_map.hpp"
 #include "flirt/map/solution_set.hpp"
 #include "flirt/map/verdict.hpp"
@@ -48,6 +49,9 @@ struct LocalizeParams {
   LocalizeMethod method{LocalizeMethod::automatic};
   MapFieldParams fields{};
   SearchParams search{};
+  LandmarkParams landmarks{};  ///< of the method `features`
+  /// Blocks of 5 m² that a dense search may run over; a larger map is searched where features vote, with `automatic`.
+  std::uint32_t largest_dense{2000};
   VerdictParams verdict{};
   SolutionSetParams papers{};  ///< of the method `papers`
 };
@@ -77,7 +81,7 @@ struct LocalizationResult {
 struct LocalizeTimes {
   double detect_us{0};    ///< features and papers only, as the next
   double describe_us{0};  ///< features and papers
-  double match_us{0};     ///< papers: keypoints against all map scans
+  double match_us{0};     ///< papers: keypoints against all map scans; features: votes
   double search_us{0};    ///< coarse candidates
   double rank_us{0};      ///< candidates ranked by their beams
   double refine_us{0};    ///< refinement, score, verdict
@@ -97,15 +101,21 @@ class Localizer {
                                             LocalizeTimes* times = nullptr);
 
  private:
+  [[nodiscard]] std::vector<CoarsePose> candidates(const MapFields& fields, const Scan& scan, const ScanPoints& points,
+                                                   LocalizeTimes& times);
+  [[nodiscard]] bool votes_needed(const MapFields& fields) const;
   [[nodiscard]] LocalizationResult by_evidence(const Scan& scan, ScanInterval excluded, LocalizeTimes& times);
   [[nodiscard]] Features features_of(const Scan& scan, LocalizeTimes& times);
   [[nodiscard]] LocalizationResult by_papers(const Scan& scan, ScanInterval excluded, LocalizeTimes& times);
 
+  PlaceMap map_;
   LocalizeParams params_;
   Detector detector_;
   Describer describer_;
   EvidenceWithout evidence_;
   SolutionSetFinder finder_;
+  std::optional<Landmarks> landmarks_{};  ///< without the scans of `excluded_`, once votes were needed
+  ScanInterval excluded_{};
 };
 
 /// Where `scan` was taken. For many queries keep a Localizer: making one costs as much as several queries.

@@ -32,11 +32,13 @@ Judgement judge_answer(std::span<const ScoredPose> distinct_poses, std::size_t p
   if (distinct_poses.empty()) { return {}; }
   const double confidence = confidence_of(distinct_poses, points, params);
   const EvidenceScore& first = distinct_poses[0].score;
+  const bool twin = distinct_poses.size() > 1 && first.total - distinct_poses[1].score.total < params.min_margin;
   if (points < params.min_points) { return {Verdict::lost, Reason::few_points, confidence}; }
   if (first.total < params.min_score) { return {Verdict::lost, why_not(first), confidence}; }
-  if (confidence >= params.min_confidence) { return {Verdict::unique, Reason::clear_winner, confidence}; }
+  if (confidence >= params.min_confidence && !twin) { return {Verdict::unique, Reason::clear_winner, confidence}; }
   const bool sure_alone = confidence_of(distinct_poses.first(1), points, params) >= params.min_confidence;
-  return {Verdict::ambiguous, sure_alone ? Reason::second_place_too_close : Reason::little_evidence, confidence};
+  return {Verdict::ambiguous, twin || sure_alone ? Reason::second_place_too_close : Reason::little_evidence,
+          confidence};
 }
 
 std::vector<double> weights_of(std::span<const ScoredPose> distinct_poses, const VerdictParams& params) {

@@ -73,6 +73,7 @@ struct VerdictParams {
   double largest_margin{9};     ///< a larger margin counts as this
   double pair_odds{1.8};        ///< log odds of one place against another per unit of score between them
   double min_confidence{0.9};   ///< less is ambiguous; of the scans used in the fit, .995 of those above were right
+  double min_margin{0.75};      ///< less is ambiguous: through the grid's cells, exact twins differ by as much
   double min_score{4};          ///< less is lost
   std::uint32_t min_points{8};  ///< end points; fewer are lost
 };
@@ -88,6 +89,7 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.largest_margin, Field{"largest_margin", "", "a larger margin counts as this", 0, 100});
   visit(params.pair_odds, Field{"pair_odds", "", "log odds of two places per unit of score between them", 0, 100});
   visit(params.min_confidence, Field{"min_confidence", "1", "less confidence is not unique", 0, 1});
+  visit(params.min_margin, Field{"min_margin", "", "less margin to the second place is not unique", 0, 100});
   visit(params.min_score, Field{"min_score", "", "a best place with less is none", -100, 100});
   visit(params.min_points, Field{"min_points", "", "scans with fewer end points are lost", 1, 100000});
 }

@@ -7,8 +7,9 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <iterator>
 #include <numbers>
+#include <numeric>
+#include <utility>
 
 // clang-format off
 #undef HWY_TARGET_INCLUDE
@@ -179,23 +180,24 @@ bool stays_inside(const Steps& steps, const CoarseField& coarse, CellIndex corne
          corner.y + steps.min.y >= -CoarseField::pad_y && corner.y + steps.max.y <= coarse.height;
 }
 
-/// Best key of each tile of each block at one heading.
-void search_heading(const CoarseField& coarse, const Steps& steps, std::vector<TileKeys>& keys) {
+/// Best key of each tile of some blocks at one heading; keys[i] belongs to blocks[i].
+void search_heading(const CoarseField& coarse, const Steps& steps, std::span<const std::uint32_t> blocks,
+                    std::vector<TileKeys>& keys) {
   const std::size_t per_byte = 255U / coarse.largest;
   const std::int32_t stride = coarse.values.width;
   std::vector<std::int32_t> inside(steps.cells.size());
   for (std::size_t k = 0; k < inside.size(); ++k) { inside[k] = steps.cells[k].y * stride + steps.cells[k].x; }
   std::vector<std::int32_t> clamped;
-  keys.resize(coarse.blocks.size());
-  for (std::size_t block = 0; block < coarse.blocks.size(); ++block) {
-    const CellIndex corner = coarse.blocks[block];
+  keys.resize(blocks.size());
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const CellIndex corner = coarse.blocks[blocks[i]];
     const bool all_inside = stays_inside(steps, coarse, corner);
     if (!all_inside) { offsets_of(steps, coarse, corner, clamped); }
     const std::int32_t* const offsets = all_inside ? inside.data() : clamped.data();
     HWY_DYNAMIC_DISPATCH(search_block)
     (&coarse.values.at(corner.x + CoarseField::pad_x, corner.y + CoarseField::pad_y), static_cast<std::size_t>(stride),
      offsets, inside.size(), per_byte, &coarse.standable.at(corner.x, corner.y),
-     static_cast<std::size_t>(coarse.standable.width), keys[block].data());
+     static_cast<std::size_t>(coarse.standable.width), keys[i].data());
   }
 }
 
@@ -232,41 +234,124 @@ void keep_best(std::vector<TileBest>& tiles, std::size_t count) {
   std::ranges::sort(tiles, better);
 }
 
-}  // namespace
+/// Headings that divide a full turn evenly.
+struct Headings {
+  std::size_t count;
+  double step;  // rad
+};
 
-std::vector<CoarsePose> dense_search(const MapFields& fields, const ScanPoints& points,
-                                     const DenseSearchParams& params) {
+Headings headings_of(const DenseSearchParams& params) {
+  const auto count = static_cast<std::size_t>(std::ceil(2 * std::numbers::pi / params.heading_step - 1e-9));
+  return {count, 2 * std::numbers::pi / static_cast<double>(count)};
+}
+
+/// For each heading the blocks to search, in rising order.
+using BlocksOfHeadings = std::vector<std::vector<std::uint32_t>>;
+
+/// The blocks and headings around given places.
+BlocksOfHeadings blocks_near(const MapFields& fields, std::span<const Pose2> places, const DenseSearchParams& params) {
   const CoarseField& coarse = fields.coarse;
-  if (fields.empty() || points.size() == 0) { return {}; }
+  const Headings headings = headings_of(params);
+  const std::int32_t columns = coarse.width / CoarseField::block_width;
+  const std::int32_t rows = coarse.height / CoarseField::block_height;
+  std::vector<std::int32_t> block_at(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), -1);
+  const auto at = [&](std::int32_t column, std::int32_t row) -> std::int32_t& {
+    return block_at[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                    static_cast<std::size_t>(column)];
+  };
+  for (std::size_t i = 0; i < coarse.blocks.size(); ++i) {
+    at(coarse.blocks[i].x / CoarseField::block_width, coarse.blocks[i].y / CoarseField::block_height) =
+        static_cast<std::int32_t>(i);
+  }
+  const auto block_of = [&](double metres, std::int32_t cells, std::int32_t count) {
+    return std::clamp(static_cast<std::int32_t>(std::floor(metres / (coarse.cell_size * cells))), 0, count - 1);
+  };
+  const auto turns = static_cast<std::int64_t>(std::ceil(params.near_heading / headings.step));
+  const auto turn = static_cast<std::int64_t>(headings.count);
+  BlocksOfHeadings blocks(headings.count);
+  for (const Pose2& place : places) {
+    const double x = place.x - fields.origin.x;
+    const double y = place.y - fields.origin.y;
+    const double reach = params.near_distance;
+    if (x < -reach || y < -reach || x > coarse.width * coarse.cell_size + reach ||
+        y > coarse.height * coarse.cell_size + reach) {
+      continue;
+    }
+    const std::int64_t heading = std::lround(place.theta / headings.step);
+    for (std::int32_t row = block_of(y - reach, CoarseField::block_height, rows);
+         row <= block_of(y + reach, CoarseField::block_height, rows); ++row) {
+      for (std::int32_t column = block_of(x - reach, CoarseField::block_width, columns);
+           column <= block_of(x + reach, CoarseField::block_width, columns); ++column) {
+        if (at(column, row) < 0) { continue; }
+        for (std::int64_t h = heading - turns; h <= heading + turns; ++h) {
+          blocks[static_cast<std::size_t>((h % turn + turn) % turn)].push_back(
+              static_cast<std::uint32_t>(at(column, row)));
+        }
+      }
+    }
+  }
+  for (std::vector<std::uint32_t>& of_heading : blocks) {
+    std::ranges::sort(of_heading);
+    const auto doubles = std::ranges::unique(of_heading);
+    of_heading.erase(doubles.begin(), doubles.end());
+  }
+  return blocks;
+}
+
+std::vector<CoarsePose> search_blocks(const MapFields& fields, const ScanPoints& points, const BlocksOfHeadings& blocks,
+                                      const DenseSearchParams& params) {
+  const CoarseField& coarse = fields.coarse;
   FLIRT_ASSERT(coarse.largest > 0);
   const std::size_t largest_count = std::min<std::size_t>(params.largest_point_count, 4095U / coarse.largest);
   const std::size_t count = std::min(points.size(), largest_count);
-  const auto headings = static_cast<std::size_t>(std::ceil(2 * std::numbers::pi / params.heading_step - 1e-9));
-  const double heading_step = 2 * std::numbers::pi / static_cast<double>(headings);
+  const Headings headings = headings_of(params);
 
   std::vector<TileBest> tiles;
   std::vector<TileBest> group(coarse.blocks.size() * tiles_per_block);
+  std::vector<std::uint32_t> touched;
   std::vector<TileKeys> keys;
-  for (std::size_t heading = 0; heading < headings; ++heading) {
-    if (heading % params.headings_per_tile == 0) { std::ranges::fill(group, TileBest{}); }
-    search_heading(coarse, steps_at(points, static_cast<double>(heading) * heading_step, coarse.cell_size, count),
-                   keys);
-    for (std::size_t tile = 0; tile < group.size(); ++tile) {
-      const std::uint16_t key = keys[tile / tiles_per_block][tile % tiles_per_block];
-      if (key > group[tile].key) {
+  for (std::size_t heading = 0; heading < headings.count; ++heading) {
+    const std::vector<std::uint32_t>& at_heading = blocks[heading];
+    if (!at_heading.empty()) {
+      const double angle = static_cast<double>(heading) * headings.step;
+      search_heading(coarse, steps_at(points, angle, coarse.cell_size, count), at_heading, keys);
+    }
+    for (std::size_t i = 0; i < at_heading.size(); ++i) {
+      for (std::size_t k = 0; k < tiles_per_block; ++k) {
+        const std::size_t tile = at_heading[i] * tiles_per_block + k;
+        const std::uint16_t key = keys[i][k];
+        if (key <= group[tile].key) { continue; }
+        if (group[tile].key == 0) { touched.push_back(static_cast<std::uint32_t>(tile)); }
         group[tile] = {key, static_cast<std::uint16_t>(heading), static_cast<std::uint32_t>(tile)};
       }
     }
-    if ((heading + 1) % params.headings_per_tile == 0 || heading + 1 == headings) {
-      std::ranges::copy_if(group, std::back_inserter(tiles), [](const TileBest& best) { return best.key != 0; });
+    if ((heading + 1) % params.headings_per_tile == 0 || heading + 1 == headings.count) {
+      for (const std::uint32_t tile : touched) { tiles.push_back(std::exchange(group[tile], {})); }
+      touched.clear();
     }
   }
   keep_best(tiles, params.candidates);
   const double scale = 1.0 / (static_cast<double>(count) * coarse.largest);
   std::vector<CoarsePose> poses;
   poses.reserve(tiles.size());
-  for (const TileBest& best : tiles) { poses.push_back(pose_of(best, fields, heading_step, scale)); }
+  for (const TileBest& best : tiles) { poses.push_back(pose_of(best, fields, headings.step, scale)); }
   return poses;
+}
+
+}  // namespace
+
+std::vector<CoarsePose> dense_search(const MapFields& fields, const ScanPoints& points,
+                                     const DenseSearchParams& params) {
+  if (fields.empty() || points.size() == 0) { return {}; }
+  std::vector<std::uint32_t> all(fields.coarse.blocks.size());
+  std::iota(all.begin(), all.end(), 0U);
+  return search_blocks(fields, points, BlocksOfHeadings(headings_of(params).count, all), params);
+}
+
+std::vector<CoarsePose> dense_search_near(const MapFields& fields, const ScanPoints& points,
+                                          std::span<const Pose2> map_from_sensor, const DenseSearchParams& params) {
+  if (fields.empty() || points.size() == 0) { return {}; }
+  return search_blocks(fields, points, blocks_near(fields, map_from_sensor, params), params);
 }
 
 }  // namespace flirt

@@ -178,8 +178,8 @@ TEST_F(FlirtMapFile, SaysWhatIsWrongWithTheHeader) {
   put<std::uint32_t>(other, byte_order_at, 0x04030201);
   EXPECT_THAT(complaint(sealed(other)), HasSubstr("big-endian"));
   other = good;
-  put<std::uint32_t>(other, version_at, 2);
-  EXPECT_THAT(complaint(sealed(other)), HasSubstr("expected map format version 1, found 2"));
+  put<std::uint32_t>(other, version_at, 3);
+  EXPECT_THAT(complaint(sealed(other)), HasSubstr("expected map format version 2, found 3"));
   other = good;
   put<std::uint32_t>(other, sections_at, 0xffffffff);
   EXPECT_THAT(complaint(sealed(other)), HasSubstr("4294967295 sections"));
