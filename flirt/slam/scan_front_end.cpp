@@ -13,6 +13,7 @@ namespace flirt {
 namespace {
 
 constexpr std::size_t fewest_points = 15;  // of a scan that can be placed at all
+constexpr std::uint32_t most_blind = 3;     // scans in a row without a believable pose
 
 /// Metres plus half a metre a radian: turning shows new things, too.
 double way(const Pose2& motion) {
@@ -48,8 +49,12 @@ ScanFrontEnd::Judged ScanFrontEnd::judge(const SurfacePoints& points, const Pose
   const std::span<const SurfacePoints> scan(&points, 1);
   const AlignedPose aligned = align_to_map(map_, scan, start, stay);
   const Pose2 off = inverse(prediction) * aligned.map_from_robot;
-  const double score = score_of(map_.agreement(scan, aligned.map_from_robot)) - 0.3 * way(off);
-  return {aligned.map_from_robot, aligned.terms, score};
+  const Agreed agreed = map_.agreement(scan, aligned.map_from_robot);
+  const double known = std::max(0.05, 1 - agreed.unknown);
+  const double score = score_of(agreed);
+  const double surprise = params_.surprise_translation * norm(off.translation()) +
+                          params_.surprise_rotation * std::abs(off.theta);
+  return {aligned.map_from_robot, aligned.terms, score - surprise, (score - agreed.unknown) / known};
 }
 
 ScanFrontEnd::Judged ScanFrontEnd::search(const SurfacePoints& points, const Pose2& prediction, double extent,
@@ -82,6 +87,14 @@ void ScanFrontEnd::add_to_map(const SurfacePoints& points, const Pose2& local_fr
     map_.remove(map_scans_.front().points, map_scans_.front().local_from_robot);
     map_scans_.pop_front();
   }
+}
+
+/// Begins a new local map with the scan: the old one no longer helps.
+void ScanFrontEnd::restart(const SlamScan& scan, const Pose2& local_from_robot) {
+  for (const MapScan& old : map_scans_) { map_.remove(old.points, old.local_from_robot); }
+  map_scans_.clear();
+  blind_ = 0;
+  add_to_map(scan.points, local_from_robot);
 }
 
 void ScanFrontEnd::remember(const SlamScan& scan, const Pose2& local_from_robot) {
@@ -133,7 +146,8 @@ Motion ScanFrontEnd::add(const SlamScan& scan) {
       }
     }
     motion.score = best.score;
-    if (best.score >= params_.usable_score) {
+    const double known_points = best.terms.weight;
+    if (best.quality >= params_.usable_score && known_points >= static_cast<double>(fewest_points)) {
       found = best;
       motion.source = source;
     }
@@ -141,6 +155,9 @@ Motion ScanFrontEnd::add(const SlamScan& scan) {
   motion.unobservable = weakest_share(found.terms) < params_.unobservable_share;
   add_relative(motion, found);
   remember(scan, found.local_from_robot);
+  blind_ = motion.source == MotionSource::prediction ? blind_ + 1 : 0;
+  if (blind_ > 0) { last_motion_ = {}; }
+  if (blind_ == most_blind) { restart(scan, found.local_from_robot); }
   return motion;
 }
 

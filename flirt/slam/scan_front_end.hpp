@@ -25,7 +25,8 @@ class ScanFrontEnd {
   struct Judged {
     Pose2 local_from_robot{};
     AlignmentTerms terms{};
-    double score{-1e9};  ///< with the penalty for leaving the prediction
+    double score{-1e9};   ///< with the penalty for leaving the prediction
+    double quality{-1e9};  ///< score that it would have if all points were where something had been seen
   };
   struct MapScan {
     SurfacePoints points;
@@ -38,6 +39,7 @@ class ScanFrontEnd {
   [[nodiscard]] Judged judge(const SurfacePoints& points, const Pose2& start, const Pose2& prediction) const;
   [[nodiscard]] Judged search(const SurfacePoints& points, const Pose2& prediction, double extent, double turn) const;
   void remember(const SlamScan& scan, const Pose2& local_from_robot);
+  void restart(const SlamScan& scan, const Pose2& local_from_robot);
   void add_to_map(const SurfacePoints& points, const Pose2& local_from_robot);
   void add_relative(Motion& motion, const Judged& found) const;
 
@@ -48,6 +50,7 @@ class ScanFrontEnd {
   std::optional<Pose2> last_odometry_{};
   Pose2 last_motion_{};
   double travel_{0};
+  std::uint32_t blind_{0};  ///< scans in a row that were not believed
 };
 
 }  // namespace flirt

@@ -1,9 +1,12 @@
 #include "flirt/slam/slam.hpp"
 
 #include "flirt/registration/surface_points.hpp"
+#include "flirt/slam/gauss_newton.hpp"
+#include "flirt/slam/loop_closer.hpp"
 #include "flirt/slam/scan_front_end.hpp"
 #include "flirt/slam/slam_scan.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 #include <variant>
@@ -35,7 +38,8 @@ SlamScan prepared(const Scan& scan, const SlamParams& params) {
 }  // namespace
 
 struct Slam::State {
-  explicit State(const SlamParams& slam_params) : params(slam_params), front_end(make_front_end(slam_params)) {}
+  explicit State(const SlamParams& slam_params)
+      : params(slam_params), front_end(make_front_end(slam_params)), loops(slam_params) {}
 
   void add_node(const Motion& motion) {
     const auto node = static_cast<std::uint32_t>(graph.map_from_node.size());
@@ -50,8 +54,39 @@ struct Slam::State {
     }
   }
 
+  /// Looks for earlier visits; the number found.
+  std::uint32_t close_loops() {
+    auto begin = Clock::now();
+    const std::vector<Closure> closures = loops.add(scans, graph.map_from_node);
+    summary.seconds.loops += seconds_since(begin);
+    for (const Closure& closure : closures) {
+      graph.edges.insert(graph.edges.end(), closure.edges.begin(), closure.edges.end());
+      pending_translation = std::max(pending_translation, closure.translation);
+      pending_rotation = std::max(pending_rotation, closure.rotation);
+    }
+    // Small corrections wait for each other.
+    pending += closures.size();
+    if (pending == 0) { return 0; }
+    if (pending_translation > 0.15 || pending_rotation > 0.02 || pending >= 8) { optimize_poses(4); }
+    return static_cast<std::uint32_t>(closures.size());
+  }
+
+  void optimize_poses(std::size_t iterations) {
+    const auto begin = Clock::now();
+    gauss_newton(graph, iterations);
+    pending = 0;
+    pending_translation = 0;
+    pending_rotation = 0;
+    ++summary.optimizations;
+    summary.seconds.optimize += seconds_since(begin);
+  }
+
   SlamParams params;
   FrontEnd front_end;
+  LoopCloser loops;
+  std::size_t pending{0};         ///< closures that the poses do not know of yet
+  double pending_translation{0};  ///< m, the largest correction of them
+  double pending_rotation{0};     ///< rad
   std::vector<SlamScan> scans{};
   PoseGraph graph{};
   std::vector<SlamStep> steps{};
@@ -72,11 +107,17 @@ SlamStep Slam::add(const Scan& scan) {
   const Motion motion = std::visit([&](auto& front_end) { return front_end.add(s.scans.back()); }, s.front_end);
   s.summary.seconds.front_end += seconds_since(begin);
   s.add_node(motion);
-  s.steps.push_back({s.graph.map_from_node.back(), motion.source, motion.score, motion.unobservable, 0});
+  s.steps.push_back({{}, motion.source, motion.score, motion.unobservable, 0});
+  if (s.params.window == 0) { s.steps.back().closures = s.close_loops(); }
+  s.steps.back().map_from_robot = s.graph.map_from_node.back();
   return s.steps.back();
 }
 
-void Slam::finish() {}
+void Slam::finish() {
+  State& s = *state_;
+  if (s.params.window > 0) { return; }
+  s.optimize_poses(10);
+}
 
 const PoseGraph& Slam::graph() const {
   return state_->graph;

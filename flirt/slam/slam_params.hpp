@@ -49,6 +49,8 @@ struct SlamParams {
   double wide_extent{1.3};          ///< m, half width of the search that follows when the first does not convince
   double convincing_score{11.0};    ///< a score above which the first search is believed
   double usable_score{5.0};         ///< a score below which no pose is believed: prediction instead
+  double surprise_translation{1.0};  ///< score lost per m from the predicted pose
+  double surprise_rotation{1.0};     ///< score lost per rad from the predicted heading
   double range_sigma{0.03};         ///< m, of the distance of a point from a line, for the information of edges
   double floor_translation{0.3};    ///< m, deviation of a motion nothing was measured of
   double floor_rotation{0.1};       ///< rad
@@ -91,6 +93,8 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.wide_extent, Field{"wide_extent", "m", "half width of the search that follows", 0.1, 10});
   visit(params.convincing_score, Field{"convincing_score", "", "the first search is believed above", -50, 50});
   visit(params.usable_score, Field{"usable_score", "", "no pose is believed below", -50, 50});
+  visit(params.surprise_translation, Field{"surprise_translation", "1/m", "score lost by leaving the prediction", 0, 50});
+  visit(params.surprise_rotation, Field{"surprise_rotation", "1/rad", "score lost by leaving the prediction", 0, 50});
   visit(params.range_sigma, Field{"range_sigma", "m", "deviation of a point from a line", 0.001, 1});
   visit(params.floor_translation, Field{"floor_translation", "m", "deviation of an unmeasured motion", 0.01, 10});
   visit(params.floor_rotation, Field{"floor_rotation", "rad", "deviation of an unmeasured motion", 0.001, 3.2});
