@@ -63,7 +63,7 @@ bool LoopCloser::gather(std::span<const SlamScan> scans, std::span<const Pose2> 
 
 std::optional<LoopCloser::Found> LoopCloser::search(std::span<const SurfacePoints> query, std::size_t node,
                                                     const Pose2& at, double extent, double turn) const {
-  constexpr double keep = 0.8;
+  constexpr double keep = 0.6;
   const SearchWindow window{.map_from_robot = at, .half_extent = extent, .half_turn = turn, .most_points = 150,
                             .candidates = 8};
   const std::vector<WindowPose> candidates = search_window(map_, query, window);
@@ -111,7 +111,7 @@ Closure LoopCloser::closure(const Found& found, std::span<const Pose2> map_from_
   closure.rotation = std::abs(off.theta);
   const double share = 1.0 / static_cast<double>(found.near.size());
   const Eigen::Matrix3d information =
-      share / (params_.range_sigma * params_.range_sigma) * found.information + Eigen::Matrix3d::Identity();
+      share * edge_information(found.information, params_.range_sigma, Eigen::Matrix3d::Identity());
   for (std::size_t i = 0; i < found.near.size(); ++i) {
     closure.edges.push_back({static_cast<std::uint32_t>(found.near[i]), static_cast<std::uint32_t>(found.node),
                              inverse(found.map_from_near[i]) * found.map_from_robot, information, EdgeKind::loop});

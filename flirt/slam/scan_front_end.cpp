@@ -112,8 +112,7 @@ void ScanFrontEnd::remember(const SlamScan& scan, const Pose2& local_from_robot)
 void ScanFrontEnd::add_relative(Motion& motion, const Judged& found) const {
   const Eigen::Vector3d floor(params_.floor_translation, params_.floor_translation, params_.floor_rotation);
   const Eigen::Matrix3d least = floor.cwiseProduct(floor).cwiseInverse().asDiagonal();
-  const Eigen::Matrix3d information =
-      found.terms.information / (params_.range_sigma * params_.range_sigma) + least;
+  const Eigen::Matrix3d information = edge_information(found.terms.information, params_.range_sigma, least);
   for (const std::uint32_t back : {1U, 3U}) {
     if (recent_.size() < back) { break; }
     const Pose2& earlier = recent_[recent_.size() - back];

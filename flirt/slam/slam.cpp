@@ -3,6 +3,7 @@
 #include "flirt/registration/surface_points.hpp"
 #include "flirt/slam/gauss_newton.hpp"
 #include "flirt/slam/loop_closer.hpp"
+#include "flirt/slam/polish.hpp"
 #include "flirt/slam/scan_front_end.hpp"
 #include "flirt/slam/slam_scan.hpp"
 
@@ -117,6 +118,11 @@ void Slam::finish() {
   State& s = *state_;
   if (s.params.window > 0) { return; }
   s.optimize_poses(10);
+  const auto begin = Clock::now();
+  const PolishSummary polished = polish(s.graph, s.scans, s.params);
+  s.summary.pairs = polished.pairs;
+  s.summary.pair_residual = polished.residual;
+  s.summary.seconds.polish += seconds_since(begin);
 }
 
 const PoseGraph& Slam::graph() const {
