@@ -96,12 +96,9 @@ PolishSummary polish(PoseGraph& graph, std::span<const SlamScan> scans, const Sl
     joint.edges.clear();
     double squared = 0;
     double weight = 0;
-    for (const PoseEdge& edge : graph.edges) {
-      if (edge.kind != EdgeKind::motion || edge.b != edge.a + 1) { continue; }
-      // Keeps a scan without partners where it is, and is as nothing beside pairs.
-      PoseEdge weak = edge;
-      weak.information *= 1e-3;
-      joint.edges.push_back(weak);
+    for (PoseEdge edge : graph.edges) {
+      edge.information *= params.polish_keep;
+      joint.edges.push_back(edge);
     }
     for (const ScanPair& pair : pairs) {
       const Pose2 a_from_b = inverse(joint.map_from_node[pair.a]) * joint.map_from_node[pair.b];

@@ -71,6 +71,7 @@ struct SlamParams {
   double loop_unknown{0.4};       ///< most of the points that may lie where nothing was seen
   std::uint32_t loop_points{100};  ///< least number of points of a query
   std::uint32_t polish_rounds{3};  ///< rounds of joint alignment of all scans at the end
+  double polish_keep{0.1};  ///< weight of what was measured before, beside the pairs
   std::uint32_t polish_pairs{10};  ///< other scans that each scan is aligned with
 };
 
@@ -115,6 +116,7 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.loop_unknown, Field{"loop_unknown", "1", "most points where nothing was seen", 0, 1});
   visit(params.loop_points, Field{"loop_points", "", "least number of points of a query", 1, 100000});
   visit(params.polish_rounds, Field{"polish_rounds", "", "rounds of joint alignment at the end", 0, 100});
+  visit(params.polish_keep, Field{"polish_keep", "1", "weight of what was measured before, beside the pairs", 0, 1});
   visit(params.polish_pairs, Field{"polish_pairs", "", "scans that each scan is aligned with", 1, 1000});
 }
 
