@@ -89,7 +89,10 @@ void add_match(CLI::App& program, Session& session);
 void add_map(CLI::App& program, Session& session);
 void add_localize(CLI::App& program, Session& session);
 void add_simulate(CLI::App& program, Session& session);
+void add_evaluate(CLI::App& program, Session& session);
+void add_convert(CLI::App& program, Session& session);
 void add_bench(CLI::App& program, Session& session);
 void add_bench_localization(CLI::App& bench, Session& session);
+void add_bench_optimizers(CLI::App& bench, Session& session);
 
 }  // namespace flirt::app

@@ -19,6 +19,8 @@ int main(int argc, char** argv) {
     add_map(program, session);
     add_localize(program, session);
     add_simulate(program, session);
+    add_evaluate(program, session);
+    add_convert(program, session);
     add_bench(program, session);
     program.parse(argc, argv);
     return session.run();

@@ -2,8 +2,8 @@
 // `stamp x y z qx qy qz qw`, one pose a line, # comments.
 #pragma once
 
-#include "flirt/core/pose2.hpp"
 #include "flirt/core/result.hpp"
+#include "flirt/core/stamped_pose.hpp"
 
 #include <filesystem>
 #include <span>
@@ -11,12 +11,6 @@
 #include <vector>
 
 namespace flirt {
-
-struct StampedPose {
-  double stamp{0};  ///< s
-  Pose2 map_from_robot{};
-  friend bool operator==(const StampedPose&, const StampedPose&) = default;
-};
 
 /// One line a pose, in this order; numbers read back the same but for the rounding of the heading (1e-15 rad).
 [[nodiscard]] std::string to_tum(std::span<const StampedPose> trajectory);
