@@ -47,6 +47,7 @@ void LocalMap::stamp(CellIndex centre) {
       if constexpr (change == Change::add) { surface_.hold(index); }
       SurfaceCell& cell = surface_.at(index);
       cell.rings = change == Change::add ? cell.rings + one : cell.rings - one;
+      cell.has_line = false;
       set_value(index, cell.rings);
       if constexpr (change == Change::remove) { surface_.release(index); }
     }
@@ -70,7 +71,15 @@ void LocalMap::count_surface(Point2 in_map, Point2 normal) {
   change_by(cell.normal_xx, normal_xx);
   change_by(cell.normal_xy, normal_xy);
   change_by(cell.normals, normals);
+  forget_lines_around(index);
   if (change == Change::remove && cell.count == 0) { stamp<Change::remove>(index); }
+}
+
+/// The cells around one with end points exist: its kernel reaches farther.
+void LocalMap::forget_lines_around(CellIndex centre) {
+  for (std::int32_t dy = -1; dy <= 1; ++dy) {
+    for (std::int32_t dx = -1; dx <= 1; ++dx) { surface_.at({centre.x + dx, centre.y + dy}).has_line = false; }
+  }
 }
 
 template <LocalMap::Change change>
@@ -113,9 +122,19 @@ void LocalMap::remove(const SurfacePoints& points, const Pose2& map_from_robot) 
   --scans_;
 }
 
-std::optional<LinePiece> LocalMap::line_at(Point2 in_map) const {
-  const CellIndex centre = cell_of(in_map, cell_size);
-  if (surface_[centre].rings == 0) { return std::nullopt; }
+const LinePiece* LocalMap::line_at(Point2 in_map) const {
+  const CellIndex index = cell_of(in_map, cell_size);
+  const SurfaceCell& cell = surface_[index];
+  if (cell.has_line) { return &cell.line; }
+  if (cell.rings == 0) { return nullptr; }
+  const auto line = line_around(index);
+  if (!line) { return nullptr; }
+  cell.line = *line;
+  cell.has_line = true;
+  return &cell.line;
+}
+
+std::optional<LinePiece> LocalMap::line_around(CellIndex centre) const {
   double n = 0;
   double x = 0;
   double y = 0;
@@ -183,7 +202,7 @@ Agreed LocalMap::agreement(std::span<const SurfacePoints> scans, const Pose2& ma
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Point2 at = map_from_robot * Point2{points.x[i], points.y[i]};
       double likelihood = 0;
-      if (const auto line = line_at(at)) {
+      if (const LinePiece* line = line_at(at)) {
         const Point2 d{at.x - line->x, at.y - line->y};
         const double across = d.x * line->normal_x + d.y * line->normal_y;
         const double along = -d.x * line->normal_y + d.y * line->normal_x;

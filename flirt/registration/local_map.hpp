@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 namespace flirt {
@@ -23,12 +24,20 @@ namespace flirt {
 /// What the end points in one cell, and around it, amount to. All counts are whole numbers, so that adding and removing
 /// cancel exactly.
 struct SurfaceCell {
-  std::uint32_t count{0};                              ///< end points
-  std::uint32_t x{0}, y{0};                            ///< sums of their places from the lower corner, 1/1024 cell
-  std::uint32_t rings{0};                              ///< 4 bits a ring of cells around: occupied cells in it
-  std::int32_t normal_xx{0}, normal_xy{0}, normals{0}; ///< doubled directions of the normals, 1/1024; their number
+  std::uint32_t count{0};       ///< end points
+  std::uint32_t x{0}, y{0};     ///< sums of their places from the lower corner, 1/1024 cell
+  std::uint32_t rings{0};       ///< 4 bits a ring of cells around: occupied cells in it
+  std::int32_t normals{0};      ///< points with a normal
+  std::int32_t normal_xx{0};    ///< sum of cos 2φ, φ the direction of a normal, 1/1024
+  std::int32_t normal_xy{0};    ///< sum of sin 2φ, 1/1024
+  mutable LinePiece line{};     ///< through the points of this cell and its neighbours, when `has_line`
+  mutable bool has_line{false};  ///< worked out when first asked for, dropped when a cell nearby changes
 
-  friend bool operator==(const SurfaceCell&, const SurfaceCell&) = default;
+  /// Equal evidence.
+  friend bool operator==(const SurfaceCell& a, const SurfaceCell& b) {
+    return std::tie(a.count, a.x, a.y, a.rings, a.normals, a.normal_xx, a.normal_xy) ==
+           std::tie(b.count, b.x, b.y, b.rings, b.normals, b.normal_xx, b.normal_xy);
+  }
 };
 
 /// How often beams passed and ended.
@@ -64,8 +73,9 @@ class LocalMap {
   void remove(const SurfacePoints& points, const Pose2& map_from_robot);
   [[nodiscard]] std::size_t scans() const { return scans_; }
 
-  /// The line through the end points around a place; nothing where there are none.
-  [[nodiscard]] std::optional<LinePiece> line_at(Point2 in_map) const;
+  /// The line through the end points in the 3 × 3 cells around a place; null where there are none. Valid until the map
+  /// changes.
+  [[nodiscard]] const LinePiece* line_at(Point2 in_map) const;
   /// Of one scan, or of several that are moved together, all in the frame of one robot. O(points · cells a beam passes).
   [[nodiscard]] Agreed agreement(std::span<const SurfacePoints> scans, const Pose2& map_from_robot) const;
 
@@ -95,6 +105,8 @@ class LocalMap {
   void count_passes(Point2 from, Point2 to);
   template <Change change>
   void stamp(CellIndex centre);
+  [[nodiscard]] std::optional<LinePiece> line_around(CellIndex centre) const;
+  void forget_lines_around(CellIndex centre);
   void set_value(CellIndex index, std::uint32_t rings);
   [[nodiscard]] int crossing_beams(const SurfacePoints& points, const Pose2& map_from_robot) const;
 

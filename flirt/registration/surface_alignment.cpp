@@ -111,8 +111,8 @@ AlignmentTerms alignment_terms(const LocalMap& map, const SurfacePoints& points,
     const double px = points.x[i];
     const double py = points.y[i];
     const Point2 at{map_from_robot.x + c * px - s * py, map_from_robot.y + s * px + c * py};
-    const auto line = map.line_at(at);
-    if (!line) { continue; }
+    const LinePiece* line = map.line_at(at);
+    if (line == nullptr) { continue; }
     const double dx = at.x - line->x;
     const double dy = at.y - line->y;
     const double across = dx * line->normal_x + dy * line->normal_y;

@@ -1,7 +1,7 @@
 #include "flirt/slam/polish.hpp"
 
 #include "flirt/registration/surface_alignment.hpp"
-#include "flirt/slam/gauss_newton.hpp"
+#include "flirt/graph/optimize.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -110,7 +110,7 @@ PolishSummary polish(PoseGraph& graph, std::span<const SlamScan> scans, const Sl
       weight += terms.weight;
     }
     summary = {joint.edges.size(), weight > 0 ? std::sqrt(squared / weight) : 0};
-    gauss_newton(joint, 2);
+    static_cast<void>(optimize(joint, {.iterations = 3}));
   }
   graph.map_from_node = joint.map_from_node;
   return summary;

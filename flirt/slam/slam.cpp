@@ -1,7 +1,7 @@
 #include "flirt/slam/slam.hpp"
 
 #include "flirt/registration/surface_points.hpp"
-#include "flirt/slam/gauss_newton.hpp"
+#include "flirt/graph/optimize.hpp"
 #include "flirt/slam/loop_closer.hpp"
 #include "flirt/slam/polish.hpp"
 #include "flirt/slam/scan_front_end.hpp"
@@ -74,7 +74,7 @@ struct Slam::State {
 
   void optimize_poses(std::size_t iterations) {
     const auto begin = Clock::now();
-    gauss_newton(graph, iterations);
+    static_cast<void>(flirt::optimize(graph, {.iterations = static_cast<std::uint32_t>(iterations)}));
     pending = 0;
     pending_translation = 0;
     pending_rotation = 0;
