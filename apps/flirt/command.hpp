@@ -88,6 +88,7 @@ void add_detect(CLI::App& program, Session& session);
 void add_match(CLI::App& program, Session& session);
 void add_map(CLI::App& program, Session& session);
 void add_localize(CLI::App& program, Session& session);
+void add_slam(CLI::App& program, Session& session);
 void add_simulate(CLI::App& program, Session& session);
 void add_evaluate(CLI::App& program, Session& session);
 void add_convert(CLI::App& program, Session& session);

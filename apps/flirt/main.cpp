@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
     add_match(program, session);
     add_map(program, session);
     add_localize(program, session);
+    add_slam(program, session);
     add_simulate(program, session);
     add_evaluate(program, session);
     add_convert(program, session);

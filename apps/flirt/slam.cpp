@@ -1,0 +1,118 @@
+// apps/flirt/slam.cpp: `flirt slam`, a consistent map from any log.
+#include "flirt/slam/slam.hpp"
+
+#include "flirt/io/log.hpp"
+
+#include "apps/flirt/command.hpp"
+#include "apps/flirt/slam_outputs.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+namespace flirt::app {
+namespace {
+
+struct Options {
+  std::string log;
+  std::string out;
+  bool no_odometry{false};
+  std::string window;
+  std::string front_end;
+  SlamParams slam;
+  ParamFlags params;
+};
+
+/// The short flags say the same as --slam-odometry, --slam-window and --slam-front-end, and win over a file.
+void apply_short_flags(Options& options) {
+  if (options.no_odometry) { options.slam.odometry = OdometryUse::ignore; }
+  if (!options.window.empty()) { options.slam.window = static_cast<std::uint32_t>(std::stoul(options.window)); }
+  for (const auto& [kind, name] : enum_names(FrontEndKind{})) {
+    if (name == options.front_end) { options.slam.front_end = kind; }
+  }
+}
+
+/// What the run made of the log's odometry.
+std::string odometry_use(const Options& options, const ScanLog& log) {
+  std::size_t with = 0;
+  for (const Scan& scan : log.scans) { with += scan.odom_from_robot ? 1 : 0; }
+  if (with == 0) { return "none in the log"; }
+  return options.slam.odometry == OdometryUse::ignore || options.slam.window > 0 ? "ignored" : "used";
+}
+
+SlamRun map_log(const Options& options, const ScanLog& log, const Session& session) {
+  using Clock = std::chrono::steady_clock;
+  SlamRun run{.log = options.log,
+              .odometry = odometry_use(options, log),
+              .graph = {},
+              .steps = {},
+              .summary = {},
+              .latency_ms = {},
+              .params = options.params.json()};
+  const Progress progress = progress_bar(session, "mapping");
+  Slam slam(options.slam);
+  for (std::size_t i = 0; i < log.scans.size(); ++i) {
+    const auto begin = Clock::now();
+    slam.add(log.scans[i]);
+    run.latency_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
+    if (progress) { progress(static_cast<double>(i + 1) / static_cast<double>(log.scans.size())); }
+  }
+  slam.finish();
+  run.graph = slam.graph();
+  run.steps = slam.steps();
+  run.summary = slam.summary();
+  return run;
+}
+
+void print(const Options& options, const SlamRun& run, const LogReport& report) {
+  const SlamSummary& s = run.summary;
+  fmt::print("{}: {} scans, odometry {}, {} closures\n", options.log, s.scans, run.odometry, s.closures);
+  if (report.odometry_repeats_pose) {
+    fmt::print("the odometry of this log repeats its corrected poses: it was not used\n");
+  }
+  if (s.unobservable > 0) {
+    fmt::print("{} motions could not be seen in some direction: see summary.json\n", s.unobservable);
+  }
+  if (s.predictions > 0) { fmt::print("{} scans were placed by prediction alone\n", s.predictions); }
+  const SlamTimes& t = s.seconds;
+  fmt::print("{:.2f} s: motion {:.2f}, closures {:.2f}, optimization {:.2f}, joint alignment {:.2f}\n",
+             t.points + t.front_end + t.loops + t.optimize + t.polish, t.points + t.front_end, t.loops, t.optimize,
+             t.polish);
+  fmt::print("map, trajectory, graph and report in {}\n", options.out);
+}
+
+int run(Options& options, const Session& session) {
+  options.params.resolve(session.config);
+  apply_short_flags(options);
+  LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
+  const std::filesystem::path folder = value_or_quit(folder_for_results(options.out));
+  const SlamRun result = map_log(options, loaded.log, session);
+  write_slam_outputs(folder, result, std::move(loaded.log), session);
+  write_json(session, slam_json(result));
+  if (session.talks()) { print(options, result, loaded.report); }
+  return exit_done;
+}
+
+}  // namespace
+
+void add_slam(CLI::App& program, Session& session) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(program, session, "slam",
+                                  "Make a consistent map of any log, with odometry or without.",
+                                  "flirt slam run.log.gz -o run-map");
+  command->add_option("LOG", options->log, "log of scans")->required();
+  command->add_option("-o,--output", options->out, "folder for the results")->required();
+  command->add_flag("--no-odometry", options->no_odometry, "do as if the log had no odometry");
+  command->add_option("--window", options->window, "incremental mapping over the last N scans, no closures, no odometry")
+      ->check(CLI::Range(1, 1000000));
+  std::vector<std::string> front_ends;
+  for (const auto& [kind, name] : enum_names(FrontEndKind{})) { front_ends.emplace_back(name); }
+  command->add_option("--front-end", options->front_end, "how the motion between scans is found")
+      ->check(CLI::IsMember(front_ends));
+  options->params.add(*command, "slam", options->slam);
+  session.on(command, [&session, options] { return run(*options, session); });
+}
+
+}  // namespace flirt::app

@@ -1,0 +1,156 @@
+#include "apps/flirt/slam_outputs.hpp"
+
+#include "flirt/grid/evidence_grid.hpp"
+#include "flirt/io/file.hpp"
+#include "flirt/io/flirt_map.hpp"
+#include "flirt/io/g2o.hpp"
+#include "flirt/io/occupancy_map.hpp"
+#include "flirt/io/svg.hpp"
+#include "flirt/io/tum.hpp"
+#include "flirt/map/place_map.hpp"
+#include "flirt/report/html.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace flirt::app {
+namespace {
+
+struct Latency {
+  double median{0};
+  double p99{0};
+  double worst{0};
+};
+
+Latency latency_of(std::vector<double> ms) {
+  if (ms.empty()) { return {}; }
+  std::ranges::sort(ms);
+  return {ms[ms.size() / 2], ms[std::min(ms.size() - 1, ms.size() * 99 / 100)], ms.back()};
+}
+
+std::vector<StampedPose> trajectory(const SlamRun& run, const ScanLog& log) {
+  std::vector<StampedPose> poses;
+  poses.reserve(log.scans.size());
+  for (std::size_t i = 0; i < log.scans.size(); ++i) {
+    poses.push_back({log.scans[i].stamp, run.graph.map_from_node[i]});
+  }
+  return poses;
+}
+
+std::string figure(const SlamRun& run, const GridMapImage& map) {
+  svg::Plan plan;
+  plan.layers.emplace_back(svg::Raster{.image = map.image,
+                                       .map_from_image = map.metadata.origin,
+                                       .resolution = map.metadata.resolution,
+                                       .opacity = 1});
+  svg::Polylines way{.lines = {{}}, .colour = svg::blue, .width = 0.8, .legend = "way of the robot"};
+  for (const Pose2& pose : run.graph.map_from_node) { way.lines.front().push_back(pose.translation()); }
+  svg::Polylines loops{.colour = svg::vermilion, .width = 0.6, .legend = "closures"};
+  for (const PoseEdge& edge : run.graph.edges) {
+    if (edge.kind != EdgeKind::loop) { continue; }
+    loops.lines.push_back({run.graph.map_from_node[edge.a].translation(),
+                           run.graph.map_from_node[edge.b].translation()});
+  }
+  svg::Points unseen{.colour = svg::orange, .radius = 2.5, .legend = "motion not observable"};
+  for (std::size_t i = 0; i < run.steps.size(); ++i) {
+    if (run.steps[i].unobservable) { unseen.at.push_back(run.graph.map_from_node[i].translation()); }
+  }
+  plan.layers.emplace_back(std::move(way));
+  plan.layers.emplace_back(std::move(loops));
+  if (!unseen.at.empty()) { plan.layers.emplace_back(std::move(unseen)); }
+  return svg::to_svg({.panels = {plan}, .panel_width = 1000});
+}
+
+std::vector<std::vector<std::string>> counts_table(const SlamRun& run) {
+  const SlamSummary& s = run.summary;
+  return {{"scans", std::to_string(s.scans)},
+          {"odometry", run.odometry},
+          {"closures", std::to_string(s.closures)},
+          {"motions not observable in some direction", std::to_string(s.unobservable)},
+          {"scans found by the wide search only", std::to_string(s.wide)},
+          {"scans placed by prediction alone", std::to_string(s.predictions)},
+          {"pairs of scans aligned at the end", std::to_string(s.pairs)},
+          {"their points from the other's lines, rms (m)", fmt::format("{:.4f}", s.pair_residual)}};
+}
+
+std::vector<std::vector<std::string>> times_table(const SlamRun& run) {
+  const SlamTimes& t = run.summary.seconds;
+  const Latency latency = latency_of(run.latency_ms);
+  const auto seconds = [](double v) { return fmt::format("{:.3f}", v); };
+  const auto ms = [](double v) { return fmt::format("{:.2f}", v); };
+  return {{"points of the scans (s)", seconds(t.points)},
+          {"motion between scans (s)", seconds(t.front_end)},
+          {"search for earlier visits (s)", seconds(t.loops)},
+          {"optimization (s)", seconds(t.optimize)},
+          {"joint alignment at the end (s)", seconds(t.polish)},
+          {"a scan, median (ms)", ms(latency.median)},
+          {"a scan, 99 % (ms)", ms(latency.p99)},
+          {"a scan, worst (ms)", ms(latency.worst)}};
+}
+
+std::string report(const SlamRun& run, const GridMapImage& map) {
+  HtmlReport html("flirt slam: " + std::filesystem::path(run.log).filename().string());
+  html.figure(figure(run, map), "Black: occupied. White: free. Grey: never seen.");
+  if (run.summary.unobservable > 0) {
+    html.paragraph(fmt::format("{} motions could not be seen in some direction (a bare corridor, or nothing in sight): "
+                               "there the map's length is a guess, unless a closure corrected it.",
+                               run.summary.unobservable));
+  }
+  html.heading("What was found");
+  html.table({"", ""}, counts_table(run));
+  html.heading("Times (wall clock)");
+  html.table({"", ""}, times_table(run));
+  return html.text();
+}
+
+}  // namespace
+
+nlohmann::ordered_json slam_json(const SlamRun& run) {
+  const SlamSummary& s = run.summary;
+  const Latency latency = latency_of(run.latency_ms);
+  nlohmann::ordered_json unobservable = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < run.steps.size(); ++i) {
+    if (run.steps[i].unobservable) { unobservable.push_back(i); }
+  }
+  nlohmann::ordered_json json{
+      {"log", run.log},
+      {"scans", s.scans},
+      {"odometry", run.odometry},
+      {"closures", s.closures},
+      {"loop_edges", std::ranges::count(run.graph.edges, EdgeKind::loop, &PoseEdge::kind)},
+      {"edges", run.graph.edges.size()},
+      {"unobservable", {{"count", s.unobservable}, {"scans", unobservable}}},
+      {"fallbacks", {{"wide_search", s.wide}, {"prediction", s.predictions}}},
+      {"optimizations", s.optimizations},
+      {"pairs", s.pairs},
+      {"pair_residual_m", s.pair_residual},
+      {"seconds",
+       {{"points", s.seconds.points},
+        {"front_end", s.seconds.front_end},
+        {"loops", s.seconds.loops},
+        {"optimize", s.seconds.optimize},
+        {"polish", s.seconds.polish}}},
+      {"latency_ms", {{"median", latency.median}, {"p99", latency.p99}, {"worst", latency.worst}}},
+      {"params", run.params}};
+  json.update(provenance());
+  return json;
+}
+
+void write_slam_outputs(const std::filesystem::path& folder, const SlamRun& run, ScanLog log, const Session& session) {
+  value_or_quit(write_tum(folder / "trajectory.tum", trajectory(run, log)));
+  value_or_quit(write_g2o(folder / "graph.g2o", run.graph));
+  log.map_from_robot = run.graph.map_from_node;
+  EvidenceGrid grid;
+  for (std::size_t i = 0; i < log.scans.size(); ++i) { grid.add(log.scans[i], log.map_from_sensor(i)); }
+  const GridMapImage map = occupancy_map(grid, "map.pgm");
+  value_or_quit(write_grid_map(folder / "map.yaml", map));
+  value_or_quit(write_grey_image(folder / "map.png", map.image));
+  const Result<PlaceMap> places = build_place_map(log, {}, session.threads, progress_bar(session, "features"));
+  if (!places) { throw BadInput(run.log + ": " + places.error().message); }
+  value_or_quit(write_place_map(folder / "map.flirt", *places));
+  value_or_quit(write_file_atomically(folder / "report.html", report(run, map)));
+  value_or_quit(write_file_atomically(folder / "summary.json", slam_json(run).dump(2) + "\n"));
+}
+
+}  // namespace flirt::app

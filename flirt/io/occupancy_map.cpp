@@ -1,0 +1,58 @@
+#include "flirt/io/occupancy_map.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace flirt {
+namespace {
+
+constexpr std::uint8_t occupied_pixel = 0;
+constexpr std::uint8_t free_pixel = 254;
+constexpr std::uint8_t unknown_pixel = 205;
+
+/// Smallest box around the cells that were seen; nothing for an empty grid.
+std::optional<CellBox> seen_box(const EvidenceGrid& grid) {
+  constexpr std::int32_t most = std::numeric_limits<std::int32_t>::max();
+  CellBox box{{most, most}, {-most, -most}};
+  grid.for_each_row([&](CellIndex first, std::span<const EvidenceCell> row) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      if (!row[i].seen()) { continue; }
+      const std::int32_t x = first.x + static_cast<std::int32_t>(i);
+      box.min = {std::min(box.min.x, x), std::min(box.min.y, first.y)};
+      box.max = {std::max(box.max.x, x + 1), std::max(box.max.y, first.y + 1)};
+    }
+  });
+  return box.min.x < box.max.x ? std::optional(box) : std::nullopt;
+}
+
+std::uint8_t pixel(const EvidenceCell& cell) {
+  if (!cell.seen()) { return unknown_pixel; }
+  return cell.occupied() && cell.hits >= 2 ? occupied_pixel : free_pixel;
+}
+
+}  // namespace
+
+GridMapImage occupancy_map(const EvidenceGrid& grid, const std::string& image_name) {
+  GridMapImage map;
+  map.metadata.image = image_name;
+  map.metadata.resolution = grid.params().cell_size;
+  const auto box = seen_box(grid);
+  if (!box) {
+    map.image = {1, 1, {unknown_pixel}};
+    return map;
+  }
+  map.metadata.origin = {box->min.x * grid.params().cell_size, box->min.y * grid.params().cell_size, 0};
+  map.image = {box->width(), box->height(), std::vector<std::uint8_t>(box->width() * box->height(), unknown_pixel)};
+  grid.for_each_row([&](CellIndex first, std::span<const EvidenceCell> row) {
+    if (first.y < box->min.y || first.y >= box->max.y) { return; }
+    const auto image_row = static_cast<std::size_t>(box->max.y - 1 - first.y);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const std::int32_t x = first.x + static_cast<std::int32_t>(i);
+      if (!row[i].seen() || x < box->min.x || x >= box->max.x) { continue; }
+      map.image.pixels[image_row * map.image.width + static_cast<std::size_t>(x - box->min.x)] = pixel(row[i]);
+    }
+  });
+  return map;
+}
+
+}  // namespace flirt

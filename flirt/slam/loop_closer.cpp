@@ -1,0 +1,164 @@
+#include "flirt/slam/loop_closer.hpp"
+
+#include "flirt/registration/window_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace flirt {
+namespace {
+
+constexpr double sight = 6;  // m from the robot within which earlier scans are gathered
+constexpr double distinct_distance = 0.5;
+const double distinct_heading = radians_from_degrees(10);
+
+bool same_place(const Pose2& a, const Pose2& b, double metres, double radians) {
+  return distance(a, b) < metres && heading_difference(a, b) < radians;
+}
+
+}  // namespace
+
+std::vector<SurfacePoints> LoopCloser::query_scans(std::span<const SlamScan> scans,
+                                                   std::span<const Pose2> map_from_node) const {
+  constexpr std::size_t stride = 2;
+  const std::size_t newest = scans.size() - 1;
+  std::size_t oldest = newest;
+  while (oldest > 0 && travel_[newest] - travel_[oldest - 1] <= params_.loop_query_travel) { --oldest; }
+  const std::size_t count = std::min<std::size_t>(params_.loop_query_scans, newest - oldest + 1);
+  std::vector<SurfacePoints> query;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t node = newest - k * (newest - oldest) / std::max<std::size_t>(1, count - 1);
+    query.push_back(seen_from(scans[node].points, inverse(map_from_node[newest]) * map_from_node[node], stride));
+  }
+  return query;
+}
+
+/// Brings the map of earlier scans up to date: those near the robot, where they are now. False when there are none.
+bool LoopCloser::gather(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, double radius) {
+  constexpr double moved = 0.03;       // m, a scan that the graph moved more is placed anew
+  constexpr double turned = 0.005;     // rad
+  constexpr double spacing = 0.35;     // m, between scans that look the same way
+  const double same_way = radians_from_degrees(30);
+  constexpr double slack = 3;          // m, before a scan is dropped again
+  const Pose2& here = map_from_node.back();
+  std::erase_if(placed_, [&](const Placed& placed) {
+    const bool stays = distance(placed.map_from_node, here) < radius + slack &&
+                       same_place(placed.map_from_node, map_from_node[placed.node], moved, turned);
+    if (!stays) { map_.remove(scans[placed.node].points, placed.map_from_node); }
+    return !stays;
+  });
+  for (std::size_t node = 0; node + params_.loop_min_scans < map_from_node.size(); ++node) {
+    if (travel_.back() - travel_[node] < params_.loop_min_travel) { break; }
+    if (distance(map_from_node[node], here) >= radius || scans[node].points.size() == 0) { continue; }
+    const bool known = std::ranges::any_of(placed_, [&](const Placed& placed) {
+      return placed.node == node || same_place(placed.map_from_node, map_from_node[node], spacing, same_way);
+    });
+    if (known) { continue; }
+    placed_.push_back({node, map_from_node[node]});
+    map_.add(scans[node].points, map_from_node[node]);
+  }
+  return !placed_.empty();
+}
+
+std::optional<LoopCloser::Found> LoopCloser::search(std::span<const SurfacePoints> query, std::size_t node,
+                                                    const Pose2& at, double extent, double turn) const {
+  constexpr double keep = 0.6;
+  const SearchWindow window{.map_from_robot = at, .half_extent = extent, .half_turn = turn, .most_points = 150,
+                            .candidates = 8};
+  const std::vector<WindowPose> candidates = search_window(map_, query, window);
+  Found best{.node = node, .score = -1e9};
+  std::vector<std::pair<Pose2, double>> judged;
+  Agreed agreed;
+  for (const WindowPose& candidate : candidates) {
+    if (candidate.value < keep * candidates.front().value) { break; }
+    const AlignmentPrior stay{candidate.map_from_robot, Eigen::Vector3d(2, 2, 2).asDiagonal()};
+    const AlignedPose aligned = align_to_map(map_, query, candidate.map_from_robot, stay);
+    const Agreed agreement = map_.agreement(query, aligned.map_from_robot);
+    const double score = score_of(agreement);
+    judged.emplace_back(aligned.map_from_robot, score);
+    if (score <= best.score) { continue; }
+    best.score = score;
+    best.map_from_robot = aligned.map_from_robot;
+    best.information = aligned.terms.information;
+    agreed = agreement;
+  }
+  double second = 0;
+  for (const auto& [pose, score] : judged) {
+    if (!same_place(pose, best.map_from_robot, distinct_distance, distinct_heading)) {
+      second = std::max(second, score);
+    }
+  }
+  best.margin = best.score - second;
+  const bool good = best.score >= params_.loop_score && best.margin >= params_.loop_margin &&
+                    agreed.unknown <= params_.loop_unknown;
+  return good ? std::optional(best) : std::nullopt;
+}
+
+/// Whether the query before found the same displacement.
+bool LoopCloser::agrees(const Found& found, std::span<const Pose2> map_from_node) const {
+  constexpr double metres = 0.3;
+  const double radians = radians_from_degrees(3);
+  if (!waiting_) { return false; }
+  const Pose2 expected = waiting_->map_from_robot * inverse(map_from_node[waiting_->node]) * map_from_node[found.node];
+  return same_place(expected, found.map_from_robot, metres, radians);
+}
+
+Closure LoopCloser::closure(const Found& found, std::span<const Pose2> map_from_node) const {
+  Closure closure;
+  const Pose2 off = inverse(map_from_node[found.node]) * found.map_from_robot;
+  closure.translation = norm(off.translation());
+  closure.rotation = std::abs(off.theta);
+  const double share = 1.0 / static_cast<double>(found.near.size());
+  const Eigen::Matrix3d information =
+      share * edge_information(found.information, params_.range_sigma, Eigen::Matrix3d::Identity());
+  for (std::size_t i = 0; i < found.near.size(); ++i) {
+    closure.edges.push_back({static_cast<std::uint32_t>(found.near[i]), static_cast<std::uint32_t>(found.node),
+                             inverse(found.map_from_near[i]) * found.map_from_robot, information, EdgeKind::loop});
+  }
+  return closure;
+}
+
+std::vector<Closure> LoopCloser::add(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node) {
+  const std::size_t node = scans.size() - 1;
+  travel_.push_back(node == 0 ? 0 : travel_.back() + distance(map_from_node[node - 1], map_from_node[node]));
+  if (travel_.back() - last_query_ < params_.loop_every) { return {}; }
+  last_query_ = travel_.back();
+  const double since = travel_.back() - last_closure_;
+  const double extent = params_.loop_extent + params_.loop_extent_growth * since;
+  const double turn = std::min(std::numbers::pi, params_.loop_turn + params_.loop_turn_growth * since);
+  if (!gather(scans, map_from_node, sight + extent)) { return {}; }
+  const std::vector<SurfacePoints> query = query_scans(scans, map_from_node);
+  std::size_t points = 0;
+  for (const SurfacePoints& scan : query) { points += scan.size(); }
+  if (points < params_.loop_points) { return {}; }
+  std::optional<Found> found = search(query, node, map_from_node[node], extent, turn);
+  if (!found) {
+    waiting_.reset();
+    return {};
+  }
+  constexpr std::size_t edges = 3;
+  std::vector<Placed> near = placed_;
+  std::ranges::sort(near, {}, [&](const Placed& placed) {
+    return distance(placed.map_from_node, found->map_from_robot) +
+           0.5 * heading_difference(placed.map_from_node, found->map_from_robot);
+  });
+  near.resize(std::min(edges, near.size()));
+  for (const Placed& placed : near) {
+    found->near.push_back(placed.node);
+    found->map_from_near.push_back(placed.map_from_node);
+  }
+  std::vector<Closure> closures;
+  const bool confirmed = agrees(*found, map_from_node);
+  if (confirmed || found->margin >= params_.loop_clear_margin) {
+    if (confirmed) { closures.push_back(closure(*waiting_, map_from_node)); }
+    closures.push_back(closure(*found, map_from_node));
+    last_closure_ = travel_.back();
+    waiting_.reset();
+  } else {
+    waiting_ = std::move(found);
+  }
+  return closures;
+}
+
+}  // namespace flirt

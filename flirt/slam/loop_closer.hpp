@@ -1,0 +1,68 @@
+// flirt/slam/loop_closer.hpp: earlier visits of a place, found with the scans of the last metres moved as one.
+#pragma once
+
+#include "flirt/graph/pose_graph.hpp"
+#include "flirt/registration/local_map.hpp"
+#include "flirt/registration/surface_alignment.hpp"
+#include "flirt/slam/slam_params.hpp"
+#include "flirt/slam/slam_scan.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace flirt {
+
+/// An earlier visit found: edges to earlier scans, and how far the graph was off.
+struct Closure {
+  std::vector<PoseEdge> edges{};
+  double translation{0};  ///< m, between the pose in the graph and the one found
+  double rotation{0};     ///< rad
+};
+
+/// Keeps a local map of the earlier scans around the robot, from query to query. A place found is believed when it
+/// agrees well, clearly better than any other in the window, and when the query before or after found the same
+/// displacement of the graph.
+class LoopCloser {
+ public:
+  explicit LoopCloser(const SlamParams& params) : params_(params) {}
+
+  /// To be called for every scan that the graph gets; `scans[i]` belongs to node i. Closures that the scan brings.
+  [[nodiscard]] std::vector<Closure> add(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node);
+
+ private:
+  struct Placed {
+    std::size_t node;
+    Pose2 map_from_node;
+  };
+  struct Found {
+    std::size_t node{0};
+    Pose2 map_from_robot{};
+    Pose2 in_graph{};  ///< where the graph had the node when it was found
+    Eigen::Matrix3d information{Eigen::Matrix3d::Zero()};
+    std::vector<std::size_t> near{};  ///< nodes of earlier scans
+    std::vector<Pose2> map_from_near{};
+    double score{0};
+    double margin{0};
+  };
+
+  [[nodiscard]] std::vector<SurfacePoints> query_scans(std::span<const SlamScan> scans,
+                                                       std::span<const Pose2> map_from_node) const;
+  [[nodiscard]] bool gather(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, double radius);
+  [[nodiscard]] std::optional<Found> search(std::span<const SurfacePoints> query, std::size_t node, const Pose2& at,
+                                            double extent, double turn) const;
+  [[nodiscard]] bool agrees(const Found& found, std::span<const Pose2> map_from_node) const;
+  [[nodiscard]] Closure closure(const Found& found, std::span<const Pose2> map_from_node) const;
+
+  SlamParams params_;
+  LocalMap map_{};
+  std::vector<Placed> placed_{};
+  std::vector<double> travel_{};    ///< m, per node
+  double last_query_{0};            ///< m of travel
+  double last_closure_{0};          ///< m of travel
+  std::optional<Found> waiting_{};  ///< found, and not yet agreed with
+};
+
+}  // namespace flirt

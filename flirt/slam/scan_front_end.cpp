@@ -1,0 +1,163 @@
+#include "flirt/slam/scan_front_end.hpp"
+
+#include "flirt/registration/window_search.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+namespace flirt {
+namespace {
+
+constexpr std::size_t fewest_points = 15;  // of a scan that can be placed at all
+constexpr std::uint32_t most_blind = 3;     // scans in a row without a believable pose
+
+/// Metres plus half a metre a radian: turning shows new things, too.
+double way(const Pose2& motion) {
+  return norm(motion.translation()) + 0.5 * std::abs(motion.theta);
+}
+
+/// Least information about a direction of translation, heading being free, a point.
+double weakest_share(const AlignmentTerms& terms) {
+  if (terms.pairs == 0) { return 0; }
+  const Eigen::Matrix3d& h = terms.information;
+  const double tt = std::max(h(2, 2), 1e-9);
+  const Eigen::Matrix2d translation =
+      h.topLeftCorner<2, 2>() - h.topRightCorner<2, 1>() * h.bottomLeftCorner<1, 2>() / tt;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(translation, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues().x() / static_cast<double>(terms.pairs);
+}
+
+}  // namespace
+
+bool ScanFrontEnd::uses_odometry(const SlamScan& scan) const {
+  return params_.odometry == OdometryUse::use && params_.window == 0 && scan.odom_from_robot && last_odometry_;
+}
+
+Pose2 ScanFrontEnd::predicted(const SlamScan& scan) const {
+  const Pose2 motion = uses_odometry(scan) ? inverse(*last_odometry_) * *scan.odom_from_robot : last_motion_;
+  return recent_.back() * motion;
+}
+
+ScanFrontEnd::Judged ScanFrontEnd::judge(const SurfacePoints& points, const Pose2& start,
+                                         const Pose2& prediction) const {
+  // Holds directions in which nothing is known: as much as two points would.
+  const AlignmentPrior stay{start, Eigen::Vector3d(2, 2, 2).asDiagonal()};
+  const std::span<const SurfacePoints> scan(&points, 1);
+  const AlignedPose aligned = align_to_map(map_, scan, start, stay);
+  const Pose2 off = inverse(prediction) * aligned.map_from_robot;
+  const Agreed agreed = map_.agreement(scan, aligned.map_from_robot);
+  const double known = std::max(0.05, 1 - agreed.unknown);
+  const double score = score_of(agreed);
+  const double surprise = params_.surprise_translation * norm(off.translation()) +
+                          params_.surprise_rotation * std::abs(off.theta);
+  return {aligned.map_from_robot, aligned.terms, score - surprise, (score - agreed.unknown) / known};
+}
+
+ScanFrontEnd::Judged ScanFrontEnd::search(const SurfacePoints& points, const Pose2& prediction, double extent,
+                                          double turn) const {
+  constexpr double keep = 0.85;  // of the best value, else a candidate is not refined
+  const SearchWindow window{.map_from_robot = prediction, .half_extent = extent, .half_turn = turn, .candidates = 4};
+  const std::vector<WindowPose> candidates = search_window(map_, std::span(&points, 1), window);
+  Judged best;
+  for (const WindowPose& candidate : candidates) {
+    if (candidate.value < keep * candidates.front().value) { break; }
+    const Judged judged = judge(points, candidate.map_from_robot, prediction);
+    if (judged.score > best.score) { best = judged; }
+  }
+  return best;
+}
+
+void ScanFrontEnd::add_to_map(const SurfacePoints& points, const Pose2& local_from_robot) {
+  constexpr double closest = 0.1;  // m of way; a robot that stands still says nothing new
+  constexpr double longest = 20;   // m
+  if (points.size() < fewest_points) { return; }
+  if (!map_scans_.empty() && travel_ - map_scans_.back().travel < closest) { return; }
+  map_.add(points, local_from_robot);
+  map_scans_.push_back({points, local_from_robot, travel_});
+  const auto obsolete = [&] {
+    if (params_.window > 0) { return map_scans_.size() > params_.window; }
+    const double after = travel_ - map_scans_[1].travel;
+    return (map_scans_.size() > params_.map_scans && after >= params_.map_travel) || after > longest;
+  };
+  while (map_scans_.size() > 1 && obsolete()) {
+    map_.remove(map_scans_.front().points, map_scans_.front().local_from_robot);
+    map_scans_.pop_front();
+  }
+}
+
+/// Begins a new local map with the scan: the old one no longer helps.
+void ScanFrontEnd::restart(const SlamScan& scan, const Pose2& local_from_robot) {
+  for (const MapScan& old : map_scans_) { map_.remove(old.points, old.local_from_robot); }
+  map_scans_.clear();
+  blind_ = 0;
+  add_to_map(scan.points, local_from_robot);
+}
+
+void ScanFrontEnd::remember(const SlamScan& scan, const Pose2& local_from_robot) {
+  constexpr std::size_t remembered = 4;
+  if (!recent_.empty()) {
+    last_motion_ = inverse(recent_.back()) * local_from_robot;
+    travel_ += way(last_motion_);
+  }
+  recent_.push_back(local_from_robot);
+  if (recent_.size() > remembered) { recent_.erase(recent_.begin()); }
+  last_odometry_ = scan.odom_from_robot;
+  add_to_map(scan.points, local_from_robot);
+}
+
+void ScanFrontEnd::add_relative(Motion& motion, const Judged& found) const {
+  const Eigen::Vector3d floor(params_.floor_translation, params_.floor_translation, params_.floor_rotation);
+  const Eigen::Matrix3d least = floor.cwiseProduct(floor).cwiseInverse().asDiagonal();
+  const Eigen::Matrix3d information = edge_information(found.terms.information, params_.range_sigma, least);
+  for (const std::uint32_t back : {1U, 3U}) {
+    if (recent_.size() < back) { break; }
+    const Pose2& earlier = recent_[recent_.size() - back];
+    motion.relative.push_back({back, inverse(earlier) * found.local_from_robot, information});
+  }
+}
+
+Motion ScanFrontEnd::add(const SlamScan& scan) {
+  Motion motion;
+  if (recent_.empty()) {
+    remember(scan, {});
+    return motion;
+  }
+  const Pose2 prediction = predicted(scan);
+  Judged found{prediction, {}, -1e9};
+  motion.source = MotionSource::prediction;
+  if (scan.points.size() >= fewest_points && map_.scans() > 0) {
+    const bool odometry = uses_odometry(scan);
+    Judged best = judge(scan.points, prediction, prediction);
+    const Judged narrow = search(scan.points, prediction, odometry ? params_.odometry_extent : params_.narrow_extent,
+                                 odometry ? params_.odometry_turn : params_.narrow_turn);
+    if (narrow.score > best.score) { best = narrow; }
+    MotionSource source = MotionSource::narrow;
+    if (best.score < params_.convincing_score) {
+      const Judged wide = search(scan.points, prediction, params_.wide_extent,
+                                 odometry ? 4 * params_.odometry_turn : std::numbers::pi);
+      if (wide.score > best.score) {
+        best = wide;
+        source = MotionSource::wide;
+      }
+    }
+    motion.score = best.score;
+    const double known_points = best.terms.weight;
+    if (best.quality >= params_.usable_score && known_points >= static_cast<double>(fewest_points)) {
+      found = best;
+      motion.source = source;
+    }
+  }
+  motion.unobservable = weakest_share(found.terms) < params_.unobservable_share;
+  add_relative(motion, found);
+  remember(scan, found.local_from_robot);
+  blind_ = motion.source == MotionSource::prediction ? blind_ + 1 : 0;
+  if (blind_ > 0) { last_motion_ = {}; }
+  if (blind_ == most_blind) { restart(scan, found.local_from_robot); }
+  return motion;
+}
+
+}  // namespace flirt

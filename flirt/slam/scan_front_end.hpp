@@ -1,0 +1,56 @@
+// flirt/slam/scan_front_end.hpp: each scan against the accumulated map of the last metres.
+#pragma once
+
+#include "flirt/registration/local_map.hpp"
+#include "flirt/registration/surface_alignment.hpp"
+#include "flirt/slam/front_end.hpp"
+#include "flirt/slam/slam_params.hpp"
+#include "flirt/slam/slam_scan.hpp"
+
+#include <deque>
+#include <optional>
+#include <vector>
+
+namespace flirt {
+
+/// Correlative search around the predicted pose in a local map of the last scans, each candidate drawn onto its walls
+/// and judged by all its beams; wide search when that does not convince (Olson 2009; Konolige and others 2010).
+class ScanFrontEnd {
+ public:
+  explicit ScanFrontEnd(const SlamParams& params) : params_(params) {}
+
+  [[nodiscard]] Motion add(const SlamScan& scan);
+
+ private:
+  struct Judged {
+    Pose2 local_from_robot{};
+    AlignmentTerms terms{};
+    double score{-1e9};   ///< with the penalty for leaving the prediction
+    double quality{-1e9};  ///< score that it would have if all points were where something had been seen
+  };
+  struct MapScan {
+    SurfacePoints points;
+    Pose2 local_from_robot;
+    double travel;
+  };
+
+  [[nodiscard]] Pose2 predicted(const SlamScan& scan) const;
+  [[nodiscard]] bool uses_odometry(const SlamScan& scan) const;
+  [[nodiscard]] Judged judge(const SurfacePoints& points, const Pose2& start, const Pose2& prediction) const;
+  [[nodiscard]] Judged search(const SurfacePoints& points, const Pose2& prediction, double extent, double turn) const;
+  void remember(const SlamScan& scan, const Pose2& local_from_robot);
+  void restart(const SlamScan& scan, const Pose2& local_from_robot);
+  void add_to_map(const SurfacePoints& points, const Pose2& local_from_robot);
+  void add_relative(Motion& motion, const Judged& found) const;
+
+  SlamParams params_;
+  LocalMap map_{};
+  std::deque<MapScan> map_scans_{};
+  std::vector<Pose2> recent_{};  ///< local_from_robot of the last four scans
+  std::optional<Pose2> last_odometry_{};
+  Pose2 last_motion_{};
+  double travel_{0};
+  std::uint32_t blind_{0};  ///< scans in a row that were not believed
+};
+
+}  // namespace flirt

@@ -1,0 +1,146 @@
+#include "flirt/slam/slam.hpp"
+
+#include "flirt/registration/surface_points.hpp"
+#include "flirt/graph/optimize.hpp"
+#include "flirt/slam/loop_closer.hpp"
+#include "flirt/slam/polish.hpp"
+#include "flirt/slam/scan_front_end.hpp"
+#include "flirt/slam/slam_scan.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+#include <variant>
+
+namespace flirt {
+namespace {
+
+using FrontEnd = std::variant<ScanFrontEnd>;
+
+FrontEnd make_front_end(const SlamParams& params) {
+  switch (params.front_end) {
+    case FrontEndKind::scan: break;
+  }
+  return ScanFrontEnd(params);
+}
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+SlamScan prepared(const Scan& scan, const SlamParams& params) {
+  SlamScan kept{surface_points(scan, params.points), scan.odom_from_robot};
+  if (kept.odom_from_robot && !is_finite(*kept.odom_from_robot)) { kept.odom_from_robot.reset(); }
+  return kept;
+}
+
+}  // namespace
+
+struct Slam::State {
+  explicit State(const SlamParams& slam_params)
+      : params(slam_params), front_end(make_front_end(slam_params)), loops(slam_params) {}
+
+  void add_node(const Motion& motion) {
+    const auto node = static_cast<std::uint32_t>(graph.map_from_node.size());
+    if (motion.relative.empty()) {
+      graph.map_from_node.push_back({params.start_x, params.start_y, wrap_angle(params.start_theta)});
+      return;
+    }
+    graph.map_from_node.push_back(graph.map_from_node.back() * motion.relative.front().earlier_from_robot);
+    for (const RelativeMotion& relative : motion.relative) {
+      graph.edges.push_back(
+          {node - relative.back, node, relative.earlier_from_robot, relative.information, EdgeKind::motion});
+    }
+  }
+
+  /// Looks for earlier visits; the number found.
+  std::uint32_t close_loops() {
+    auto begin = Clock::now();
+    const std::vector<Closure> closures = loops.add(scans, graph.map_from_node);
+    summary.seconds.loops += seconds_since(begin);
+    for (const Closure& closure : closures) {
+      graph.edges.insert(graph.edges.end(), closure.edges.begin(), closure.edges.end());
+      pending_translation = std::max(pending_translation, closure.translation);
+      pending_rotation = std::max(pending_rotation, closure.rotation);
+    }
+    // Small corrections wait for each other.
+    pending += closures.size();
+    if (pending == 0) { return 0; }
+    if (pending_translation > 0.15 || pending_rotation > 0.02 || pending >= 8) { optimize_poses(4); }
+    return static_cast<std::uint32_t>(closures.size());
+  }
+
+  void optimize_poses(std::size_t iterations) {
+    const auto begin = Clock::now();
+    static_cast<void>(flirt::optimize(graph, {.iterations = static_cast<std::uint32_t>(iterations)}));
+    pending = 0;
+    pending_translation = 0;
+    pending_rotation = 0;
+    ++summary.optimizations;
+    summary.seconds.optimize += seconds_since(begin);
+  }
+
+  SlamParams params;
+  FrontEnd front_end;
+  LoopCloser loops;
+  std::size_t pending{0};         ///< closures that the poses do not know of yet
+  double pending_translation{0};  ///< m, the largest correction of them
+  double pending_rotation{0};     ///< rad
+  std::vector<SlamScan> scans{};
+  PoseGraph graph{};
+  std::vector<SlamStep> steps{};
+  SlamSummary summary{};
+};
+
+Slam::Slam(const SlamParams& params) : state_(std::make_unique<State>(params)) {}
+Slam::~Slam() = default;
+Slam::Slam(Slam&&) noexcept = default;
+Slam& Slam::operator=(Slam&&) noexcept = default;
+
+SlamStep Slam::add(const Scan& scan) {
+  State& s = *state_;
+  auto begin = Clock::now();
+  s.scans.push_back(prepared(scan, s.params));
+  s.summary.seconds.points += seconds_since(begin);
+  begin = Clock::now();
+  const Motion motion = std::visit([&](auto& front_end) { return front_end.add(s.scans.back()); }, s.front_end);
+  s.summary.seconds.front_end += seconds_since(begin);
+  s.add_node(motion);
+  s.steps.push_back({{}, motion.source, motion.score, motion.unobservable, 0});
+  if (s.params.window == 0) { s.steps.back().closures = s.close_loops(); }
+  s.steps.back().map_from_robot = s.graph.map_from_node.back();
+  return s.steps.back();
+}
+
+void Slam::finish() {
+  State& s = *state_;
+  if (s.params.window > 0) { return; }
+  s.optimize_poses(10);
+  const auto begin = Clock::now();
+  const PolishSummary polished = polish(s.graph, s.scans, s.params);
+  s.summary.pairs = polished.pairs;
+  s.summary.pair_residual = polished.residual;
+  s.summary.seconds.polish += seconds_since(begin);
+}
+
+const PoseGraph& Slam::graph() const {
+  return state_->graph;
+}
+const std::vector<SlamStep>& Slam::steps() const {
+  return state_->steps;
+}
+SlamSummary Slam::summary() const {
+  SlamSummary summary = state_->summary;
+  summary.scans = state_->steps.size();
+  for (const SlamStep& step : state_->steps) {
+    summary.closures += step.closures;
+    summary.unobservable += step.unobservable ? 1 : 0;
+    summary.wide += step.source == MotionSource::wide ? 1 : 0;
+    summary.predictions += step.source == MotionSource::prediction ? 1 : 0;
+  }
+  return summary;
+}
+
+}  // namespace flirt

@@ -1,0 +1,123 @@
+// flirt/slam/slam_params.hpp: all that can be set about mapping.
+#pragma once
+
+#include "flirt/core/fields.hpp"
+#include "flirt/core/pose2.hpp"
+#include "flirt/registration/surface_points.hpp"
+
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+
+namespace flirt {
+
+/// How the motion from one scan to the next is found.
+enum class FrontEndKind : std::uint8_t {
+  scan,  ///< the whole scan against the accumulated map of the last metres
+};
+constexpr auto enum_names(FrontEndKind /*tag*/) {
+  return std::array{std::pair{FrontEndKind::scan, std::string_view("scan")}};
+}
+
+/// Whether the robot's own dead reckoning is used.
+enum class OdometryUse : std::uint8_t {
+  use,     ///< where scans carry it
+  ignore,  ///< as if there were none
+};
+constexpr auto enum_names(OdometryUse /*tag*/) {
+  return std::array{std::pair{OdometryUse::use, std::string_view("use")},
+                    std::pair{OdometryUse::ignore, std::string_view("ignore")}};
+}
+
+struct SlamParams {
+  FrontEndKind front_end{FrontEndKind::scan};
+  OdometryUse odometry{OdometryUse::use};
+  std::uint32_t window{0};  ///< > 0: incremental mapping over the last `window` scans: no odometry, no loop closing
+  double start_x{0};        ///< m, pose of the robot at the first scan
+  double start_y{0};        ///< m
+  double start_theta{0};    ///< rad
+  SurfacePointParams points{};
+
+  std::uint32_t map_scans{20};      ///< scans in the accumulated map, at least
+  double map_travel{6};             ///< m of travel that the accumulated map covers, at least
+  double narrow_extent{0.5};        ///< m, half width of the first search, without odometry
+  double narrow_turn{0.42};         ///< rad, the same for the heading
+  double odometry_extent{0.3};      ///< m, half width of the first search, with odometry
+  double odometry_turn{0.15};       ///< rad
+  double wide_extent{1.3};          ///< m, half width of the search that follows when the first does not convince
+  double convincing_score{11.0};    ///< a score above which the first search is believed
+  double usable_score{5.0};         ///< a score below which no pose is believed: prediction instead
+  double surprise_translation{1.0};  ///< score lost per m from the predicted pose
+  double surprise_rotation{1.0};     ///< score lost per rad from the predicted heading
+  double range_sigma{0.03};         ///< m, of the distance of a point from a line, for the information of edges
+  double floor_translation{0.3};    ///< m, deviation of a motion nothing was measured of
+  double floor_rotation{0.1};       ///< rad
+  double unobservable_share{0.015};  ///< less of the points' information about a direction than this: unobservable
+
+  double loop_every{0.7};         ///< m of travel between queries for earlier visits
+  double loop_min_travel{12};     ///< m of travel after which a place counts as visited earlier
+  std::uint32_t loop_min_scans{40};  ///< scans after which a place counts as visited earlier
+  double loop_query_travel{3};    ///< m of travel whose scans are moved together
+  std::uint32_t loop_query_scans{6};  ///< scans that are moved together
+  double loop_extent{0.8};        ///< m, half width of the search, and
+  double loop_extent_growth{0.03};  ///< m per m of travel since the last closure
+  double loop_turn{0.105};        ///< rad, half width of the search, and
+  double loop_turn_growth{0.005};  ///< rad per m
+  double loop_score{8.5};         ///< least score of a closure
+  double loop_margin{2};          ///< least lead of its score over a second pose
+  double loop_clear_margin{6};    ///< a lead that needs no second query to agree
+  double loop_unknown{0.4};       ///< most of the points that may lie where nothing was seen
+  std::uint32_t loop_points{100};  ///< least number of points of a query
+  std::uint32_t polish_rounds{3};  ///< rounds of joint alignment of all scans at the end
+  double polish_keep{0.1};  ///< weight of what was measured before, beside the pairs
+  std::uint32_t polish_pairs{10};  ///< other scans that each scan is aligned with
+};
+
+template <class Params, class Visitor>
+  requires std::same_as<std::remove_const_t<Params>, SlamParams>
+void visit_fields(Params& params, Visitor&& visit) {
+  visit(params.front_end, Field{"front_end", "", "how the motion between scans is found"});
+  visit(params.odometry, Field{"odometry", "", "whether the robot's dead reckoning is used"});
+  visit(params.window, Field{"window", "", "incremental mapping over the last N scans; 0: whole map", 0, 1e6});
+  visit(params.start_x, Field{"start_x", "m", "pose of the robot at the first scan", -1e6, 1e6});
+  visit(params.start_y, Field{"start_y", "m", "pose of the robot at the first scan", -1e6, 1e6});
+  visit(params.start_theta, Field{"start_theta", "rad", "pose of the robot at the first scan", -3.2, 3.2});
+  visit_fields(params.points, visit);
+  visit(params.map_scans, Field{"map_scans", "", "scans in the accumulated map, at least", 1, 1000});
+  visit(params.map_travel, Field{"map_travel", "m", "travel that the accumulated map covers, at least", 0, 20});
+  visit(params.narrow_extent, Field{"narrow_extent", "m", "half width of the first search", 0.1, 5});
+  visit(params.narrow_turn, Field{"narrow_turn", "rad", "half width of the first search", 0.02, 3.2});
+  visit(params.odometry_extent, Field{"odometry_extent", "m", "the same with odometry", 0.1, 5});
+  visit(params.odometry_turn, Field{"odometry_turn", "rad", "the same with odometry", 0.02, 3.2});
+  visit(params.wide_extent, Field{"wide_extent", "m", "half width of the search that follows", 0.1, 10});
+  visit(params.convincing_score, Field{"convincing_score", "", "the first search is believed above", -50, 50});
+  visit(params.usable_score, Field{"usable_score", "", "no pose is believed below", -50, 50});
+  visit(params.surprise_translation, Field{"surprise_translation", "1/m", "score lost by leaving the prediction", 0, 50});
+  visit(params.surprise_rotation, Field{"surprise_rotation", "1/rad", "score lost by leaving the prediction", 0, 50});
+  visit(params.range_sigma, Field{"range_sigma", "m", "deviation of a point from a line", 0.001, 1});
+  visit(params.floor_translation, Field{"floor_translation", "m", "deviation of an unmeasured motion", 0.01, 10});
+  visit(params.floor_rotation, Field{"floor_rotation", "rad", "deviation of an unmeasured motion", 0.001, 3.2});
+  visit(params.unobservable_share,
+        Field{"unobservable_share", "1", "less information a point about a direction: unobservable", 0, 1});
+  visit(params.loop_every, Field{"loop_every", "m", "travel between queries for earlier visits", 0.05, 100});
+  visit(params.loop_min_travel, Field{"loop_min_travel", "m", "travel until a place counts as earlier", 1, 1000});
+  visit(params.loop_min_scans, Field{"loop_min_scans", "", "scans until a place counts as earlier", 1, 10000});
+  visit(params.loop_query_travel, Field{"loop_query_travel", "m", "travel whose scans move together", 0, 20});
+  visit(params.loop_query_scans, Field{"loop_query_scans", "", "scans that are moved together", 1, 50});
+  visit(params.loop_extent, Field{"loop_extent", "m", "half width of the search for closures", 0.1, 20});
+  visit(params.loop_extent_growth, Field{"loop_extent_growth", "1", "its growth per m since the last closure", 0, 1});
+  visit(params.loop_turn, Field{"loop_turn", "rad", "half width of the search for closures", 0.02, 3.2});
+  visit(params.loop_turn_growth, Field{"loop_turn_growth", "rad/m", "its growth since the last closure", 0, 1});
+  visit(params.loop_score, Field{"loop_score", "", "least score of a closure", -50, 50});
+  visit(params.loop_margin, Field{"loop_margin", "", "least lead of its score over a second pose", 0, 50});
+  visit(params.loop_clear_margin, Field{"loop_clear_margin", "", "a lead that needs no second query", 0, 50});
+  visit(params.loop_unknown, Field{"loop_unknown", "1", "most points where nothing was seen", 0, 1});
+  visit(params.loop_points, Field{"loop_points", "", "least number of points of a query", 1, 100000});
+  visit(params.polish_rounds, Field{"polish_rounds", "", "rounds of joint alignment at the end", 0, 100});
+  visit(params.polish_keep, Field{"polish_keep", "1", "weight of what was measured before, beside the pairs", 0, 1});
+  visit(params.polish_pairs, Field{"polish_pairs", "", "scans that each scan is aligned with", 1, 1000});
+}
+
+}  // namespace flirt

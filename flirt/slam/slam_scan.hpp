@@ -1,0 +1,36 @@
+// flirt/slam/slam_scan.hpp: what mapping keeps of a scan.
+#pragma once
+
+#include "flirt/core/pose2.hpp"
+#include "flirt/registration/evidence_score.hpp"
+#include "flirt/registration/local_map.hpp"
+#include "flirt/registration/surface_points.hpp"
+
+#include <Eigen/LU>
+
+#include <optional>
+
+namespace flirt {
+
+struct SlamScan {
+  SurfacePoints points{};
+  std::optional<Pose2> odom_from_robot{};  ///< finite where it is there
+};
+
+/// How a scan agrees with a map, in one number: weighted as in localization.
+[[nodiscard]] inline double score_of(const Agreed& agreed, const EvidenceScoreParams& weights = {}) {
+  return weights.likelihood * agreed.likelihood + weights.free * agreed.free + weights.unknown * agreed.unknown +
+         weights.through * agreed.through;
+}
+
+/// What the terms of an alignment are worth as information of an edge: residuals deviate by `range_sigma`, and what many
+/// points have in common (calibration, walls that are not straight) is never known better than 5 mm and 0.1°.
+[[nodiscard]] inline Eigen::Matrix3d edge_information(const Eigen::Matrix3d& terms, double range_sigma,
+                                                      const Eigen::Matrix3d& least) {
+  const Eigen::Vector3d common(2.5e-5, 2.5e-5, 3e-6);
+  const Eigen::Matrix3d information = terms / (range_sigma * range_sigma) + least;
+  const Eigen::Matrix3d covariance = information.inverse() + Eigen::Matrix3d(common.asDiagonal());
+  return covariance.inverse();
+}
+
+}  // namespace flirt
