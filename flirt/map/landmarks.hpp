@@ -18,10 +18,10 @@ struct LandmarkParams {
   double merge_distance{0.2};                      ///< m, keypoints farther apart are different landmarks
   double merge_heading{radians_from_degrees(20)};  ///< rad, so are keypoints turned more
   double merge_descriptor{0.35};                   ///< so are keypoints with a larger Hellinger distance
-  std::uint32_t neighbours{200};                   ///< most similar landmarks that each keypoint votes with
+  std::uint32_t neighbours{1000};                  ///< most similar landmarks that each keypoint votes with
   double vote_distance{0.5};                       ///< m, side of a bin of votes
   double vote_heading{radians_from_degrees(12)};   ///< rad, of a bin
-  std::uint32_t places{300};                       ///< bins with most votes that are searched
+  std::uint32_t places{1000};                      ///< bins with most votes that are searched
 };
 
 template <class Params, class Visitor>

@@ -47,8 +47,34 @@ class Cli(unittest.TestCase):
         return json.loads(self.ok(*arguments, "--json", "-").stdout)
 
     def test_every_command_has_help_with_an_example(self):
-        for command in (["info"], ["detect"], ["match"], ["map"], ["localize"], ["simulate"], ["bench", "localization"]):
+        for command in (["info"], ["detect"], ["match"], ["map"], ["localize"], ["slam"], ["simulate"], ["bench", "localization"]):
             self.assertIn("Example: flirt " + command[0], self.ok(*command, "--help").stdout)
+
+    def test_slam_writes_a_map_that_other_commands_read(self):
+        out = self.work / "mapped"
+        summary = self.json("slam", self.log, "-o", out, "--no-odometry")
+        self.assertEqual({file.name for file in out.iterdir()},
+                         {"trajectory.tum", "graph.g2o", "map.pgm", "map.yaml", "map.png", "map.flirt", "report.html", "summary.json"})
+        self.assertEqual(json.loads((out / "summary.json").read_text()), summary)
+        poses = (out / "trajectory.tum").read_text().splitlines()
+        self.assertEqual(len([line for line in poses if not line.startswith("#")]), summary["scans"])
+        error = self.json("evaluate", out / "trajectory.tum", "--truth", self.truth, "--stamp-tolerance", 0.001)
+        self.assertLess(error["ate"]["translation_m"]["rmse"], 0.1)
+        found = self.json("localize", out / "map.flirt", self.log, "--scan", 10)
+        self.assertTrue(found)
+        pgm = (out / "map.pgm").read_bytes()
+        self.assertEqual(set(pgm[-5000:]) | {0, 205, 254}, {0, 205, 254})
+        self.assertIn("resolution: 0.05", (out / "map.yaml").read_text())
+
+    def test_slam_refuses_what_it_cannot_use(self):
+        self.assertEqual(run("slam", self.log).returncode, 1)
+        self.assertEqual(run("slam", self.log, "-o", self.work / "x", "--window", 0).returncode, 1)
+        self.assertEqual(run("slam", self.log, "-o", self.work / "x", "--front-end", "nonsense").returncode, 1)
+        done = run("slam", self.work / "missing.log", "-o", self.work / "not-made")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("missing.log", done.stderr)
+        self.assertFalse((self.work / "not-made").exists())
+        self.assertEqual(run("slam", self.log, "-o", self.log / "below-a-file").returncode, 2)
 
     def test_version_names_the_commit(self):
         self.assertRegex(self.ok("--version").stdout, r"flirt \d+\.\d+\.\d+ \(\w+")

@@ -1,0 +1,143 @@
+#include "flirt/slam/slam.hpp"
+
+#include "flirt/eval/trajectory_metrics.hpp"
+#include "flirt/sim/office.hpp"
+#include "flirt/sim/simulate.hpp"
+
+#include <gmock/gmock.h>
+
+#include <limits>
+
+namespace flirt {
+namespace {
+
+const Simulation& building() {
+  static const Simulation simulation = [] {
+    SimulateParams params{.seed = 4};
+    params.drive.rounds = 2;
+    return *simulate(make_office({.area = 500, .seed = 2}), params);
+  }();
+  return simulation;
+}
+
+Slam mapped(const ScanLog& log, const SlamParams& params = {}) {
+  Slam slam(params);
+  for (const Scan& scan : log.scans) { slam.add(scan); }
+  slam.finish();
+  return slam;
+}
+
+double error_of(const Slam& slam, const ScanLog& log) {
+  std::vector<PosePair> pairs;
+  for (std::size_t i = 0; i < log.scans.size(); ++i) {
+    pairs.push_back({.estimate = slam.graph().map_from_node[i], .truth = log.map_from_robot[i]});
+  }
+  return absolute_error(pairs).translation.rmse;
+}
+
+TEST(Slam, MapsABuildingFromDriftingOdometryAndWithoutAny) {
+  const ScanLog& log = building().log;
+  ASSERT_TRUE(log.scans.front().odom_from_robot);
+  const Slam with = mapped(log);
+  EXPECT_LT(error_of(with, log), 0.05);
+  EXPECT_GT(with.summary().closures, 10U);
+  EXPECT_EQ(with.summary().predictions, 0U);
+  EXPECT_LT(error_of(mapped(log, {.odometry = OdometryUse::ignore}), log), 0.05);
+}
+
+TEST(Slam, ClosesNoLoopWrongly) {
+  const ScanLog& log = building().log;
+  const Slam slam = mapped(log, {.odometry = OdometryUse::ignore});
+  int loops = 0;
+  for (const PoseEdge& edge : slam.graph().edges) {
+    if (edge.kind != EdgeKind::loop) { continue; }
+    const Pose2 truth = inverse(log.map_from_robot[edge.a]) * log.map_from_robot[edge.b];
+    EXPECT_LT(distance(truth, edge.a_from_b), 0.3);
+    EXPECT_LT(heading_difference(truth, edge.a_from_b), radians_from_degrees(5));
+    ++loops;
+  }
+  EXPECT_GT(loops, 30);
+}
+
+TEST(Slam, GivesTheSamePosesTwice) {
+  const ScanLog& log = building().log;
+  EXPECT_EQ(mapped(log).graph().map_from_node, mapped(log).graph().map_from_node);
+}
+
+TEST(Slam, StartsAtThePoseAskedFor) {
+  const Slam slam = mapped(building().log, {.start_x = -40, .start_y = 7, .start_theta = 2});
+  EXPECT_EQ(slam.graph().map_from_node.front(), (Pose2{-40, 7, 2}));
+  EXPECT_LT(error_of(slam, building().log), 0.05);
+}
+
+TEST(Slam, AcceptsScansThatSayNothing) {
+  ScanLog log = building().log;
+  log.scans[50].ranges.clear();
+  std::ranges::fill(log.scans[90].ranges, std::numeric_limits<double>::quiet_NaN());
+  std::ranges::fill(log.scans[130].ranges, 0.0);
+  log.scans[60].odom_from_robot = Pose2{std::numeric_limits<double>::quiet_NaN(), 0, 0};
+  const Slam slam = mapped(log);
+  ASSERT_EQ(slam.graph().map_from_node.size(), log.scans.size());
+  for (const std::size_t empty : {50U, 90U, 130U}) {
+    EXPECT_EQ(slam.steps()[empty].source, MotionSource::prediction);
+    EXPECT_TRUE(slam.steps()[empty].unobservable);
+  }
+  EXPECT_TRUE(std::ranges::all_of(slam.graph().map_from_node, is_finite));
+  EXPECT_LT(error_of(slam, log), 0.06);
+}
+
+TEST(Slam, AcceptsALogOfNothing) {
+  Slam slam;
+  slam.finish();
+  EXPECT_EQ(slam.summary().scans, 0U);
+  for (int i = 0; i < 5; ++i) { slam.add(Scan{}); }
+  slam.finish();
+  EXPECT_EQ(slam.graph().map_from_node, std::vector<Pose2>(5));
+}
+
+/// Two parallel walls 60 m long, seen to 8 m: nothing tells how far along one is.
+Scan corridor_scan(double x) {
+  Scan scan{.beams = {-std::numbers::pi, radians_from_degrees(1), 0.05, 8}};
+  for (std::size_t i = 0; i < 360; ++i) {
+    const double s = std::sin(scan.beams.angle(i));
+    scan.ranges.push_back(std::min(8.0, s > 0 ? 1.2 / s : 1.0 / -s));
+  }
+  scan.stamp = x;
+  return scan;
+}
+
+TEST(Slam, SaysThatABareCorridorCannotBeSeenAlong) {
+  Slam slam;
+  for (int i = 0; i < 40; ++i) { slam.add(corridor_scan(0.3 * i)); }
+  slam.finish();
+  EXPECT_GE(slam.summary().unobservable, 38U);
+  for (const Pose2& pose : slam.graph().map_from_node) {
+    EXPECT_LT(std::abs(pose.x), 0.5);  // no motion is made up
+    EXPECT_LT(std::abs(pose.y), 0.05);
+    EXPECT_LT(std::abs(pose.theta), 0.01);
+  }
+}
+
+TEST(Slam, TakesOdometryWhereACorridorHidesTheMotion) {
+  Slam slam;
+  for (int i = 0; i < 40; ++i) {
+    Scan scan = corridor_scan(0.3 * i);
+    scan.odom_from_robot = Pose2{0.3 * i, 0, 0};
+    slam.add(scan);
+  }
+  slam.finish();
+  EXPECT_GE(slam.summary().unobservable, 38U);
+  EXPECT_NEAR(slam.graph().map_from_node.back().x, 0.3 * 39, 0.3);
+}
+
+TEST(Slam, WithAWindowUsesNeitherOdometryNorClosures) {
+  ScanLog log = building().log;
+  const Slam slam = mapped(log, {.window = 20});
+  EXPECT_EQ(slam.summary().closures, 0U);
+  EXPECT_LT(error_of(slam, log), 1.0);
+  for (Scan& scan : log.scans) { scan.odom_from_robot = Pose2{}; }
+  EXPECT_EQ(mapped(log, {.window = 20}).graph().map_from_node, slam.graph().map_from_node);
+}
+
+}  // namespace
+}  // namespace flirt
