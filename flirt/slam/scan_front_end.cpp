@@ -13,22 +13,39 @@ namespace flirt {
 namespace {
 
 constexpr std::size_t fewest_points = 15;  // of a scan that can be placed at all
-constexpr std::uint32_t most_blind = 3;     // scans in a row without a believable pose
+constexpr std::uint32_t most_blind = 3;    // scans in a row without a believable pose
 
 /// Metres plus half a metre a radian: turning shows new things, too.
 double way(const Pose2& motion) {
   return norm(motion.translation()) + 0.5 * std::abs(motion.theta);
 }
 
-/// Least information about a direction of translation, heading being free, a point.
-double weakest_share(const AlignmentTerms& terms) {
-  if (terms.pairs == 0) { return 0; }
-  const Eigen::Matrix3d& h = terms.information;
-  const double tt = std::max(h(2, 2), 1e-9);
-  const Eigen::Matrix2d translation =
-      h.topLeftCorner<2, 2>() - h.topRightCorner<2, 1>() * h.bottomLeftCorner<1, 2>() / tt;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(translation, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues().x() / static_cast<double>(terms.pairs);
+/// How well a scan's surfaces hold it in place.
+struct Hold {
+  double weakest{0};       ///< least information about a direction of translation, heading being free, a point; 0..1
+  Point2 direction{1, 0};  ///< that direction, frame of the robot
+};
+
+/// By the points' own normals alone: lone points far down a corridor agree with the map wherever they are.
+Hold hold_of(const SurfacePoints& points) {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  int surfaces = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points.normal_x[i] == 0 && points.normal_y[i] == 0) { continue; }
+    const double nx = points.normal_x[i];
+    const double ny = points.normal_y[i];
+    const Eigen::Vector3d jacobian(nx, ny, points.x[i] * ny - points.y[i] * nx);
+    information += jacobian * jacobian.transpose();
+    ++surfaces;
+  }
+  if (surfaces == 0) { return {}; }
+  const double heading = std::max(information(2, 2), 1e-9);
+  const Eigen::Matrix2d translation = information.topLeftCorner<2, 2>() - information.topRightCorner<2, 1>() *
+                                                                              information.bottomLeftCorner<1, 2>() /
+                                                                              heading;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(translation);
+  const Eigen::Vector2d direction = solver.eigenvectors().col(0);
+  return {solver.eigenvalues().x() / surfaces, {direction.x(), direction.y()}};
 }
 
 }  // namespace
@@ -52,8 +69,8 @@ ScanFrontEnd::Judged ScanFrontEnd::judge(const SurfacePoints& points, const Pose
   const Agreed agreed = map_.agreement(scan, aligned.map_from_robot);
   const double known = std::max(0.05, 1 - agreed.unknown);
   const double score = score_of(agreed);
-  const double surprise = params_.surprise_translation * norm(off.translation()) +
-                          params_.surprise_rotation * std::abs(off.theta);
+  const double surprise =
+      params_.surprise_translation * norm(off.translation()) + params_.surprise_rotation * std::abs(off.theta);
   return {aligned.map_from_robot, aligned.terms, score - surprise, (score - agreed.unknown) / known};
 }
 
@@ -120,6 +137,17 @@ void ScanFrontEnd::add_relative(Motion& motion, const Judged& found) const {
   }
 }
 
+/// Along a direction of which the scan says nothing the prediction stands, and nothing counts as measured.
+void ScanFrontEnd::keep_prediction(Judged& found, const Pose2& prediction, Point2 direction_in_robot) {
+  const Point2 direction = Pose2{0, 0, found.local_from_robot.theta} * direction_in_robot;
+  const double off = dot(direction, prediction.translation() - found.local_from_robot.translation());
+  found.local_from_robot.x += off * direction.x;
+  found.local_from_robot.y += off * direction.y;
+  const Eigen::Vector3d d(direction_in_robot.x, direction_in_robot.y, 0);
+  const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - d * d.transpose();
+  found.terms.information = rest * found.terms.information * rest;
+}
+
 Motion ScanFrontEnd::add(const SlamScan& scan) {
   Motion motion;
   if (recent_.empty()) {
@@ -137,8 +165,8 @@ Motion ScanFrontEnd::add(const SlamScan& scan) {
     if (narrow.score > best.score) { best = narrow; }
     MotionSource source = MotionSource::narrow;
     if (best.score < params_.convincing_score) {
-      const Judged wide = search(scan.points, prediction, params_.wide_extent,
-                                 odometry ? 4 * params_.odometry_turn : std::numbers::pi);
+      const Judged wide =
+          search(scan.points, prediction, params_.wide_extent, odometry ? 4 * params_.odometry_turn : std::numbers::pi);
       if (wide.score > best.score) {
         best = wide;
         source = MotionSource::wide;
@@ -151,7 +179,9 @@ Motion ScanFrontEnd::add(const SlamScan& scan) {
       motion.source = source;
     }
   }
-  motion.unobservable = weakest_share(found.terms) < params_.unobservable_share;
+  const Hold hold = hold_of(scan.points);
+  motion.unobservable = motion.source == MotionSource::prediction || hold.weakest < params_.unobservable_share;
+  if (motion.unobservable) { keep_prediction(found, prediction, hold.direction); }
   add_relative(motion, found);
   remember(scan, found.local_from_robot);
   blind_ = motion.source == MotionSource::prediction ? blind_ + 1 : 0;

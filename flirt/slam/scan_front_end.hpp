@@ -41,6 +41,7 @@ class ScanFrontEnd {
   void remember(const SlamScan& scan, const Pose2& local_from_robot);
   void restart(const SlamScan& scan, const Pose2& local_from_robot);
   void add_to_map(const SurfacePoints& points, const Pose2& local_from_robot);
+  static void keep_prediction(Judged& found, const Pose2& prediction, Point2 direction_in_robot);
   void add_relative(Motion& motion, const Judged& found) const;
 
   SlamParams params_;

@@ -5,6 +5,7 @@
 
 #include "tests/registration/rooms.hpp"
 
+#include <Eigen/LU>
 #include <gmock/gmock.h>
 
 #include <numbers>
