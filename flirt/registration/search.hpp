@@ -28,9 +28,9 @@ struct SearchParams {
   DenseSearchParams dense{};
   EvidenceScoreParams score{};
   RefineParams refine{};
-  std::uint32_t ranking_rays{32};  ///< beams, evenly picked, that are followed when coarse poses are ranked
+  std::uint32_t ranking_rays{20};  ///< beams, evenly picked, that are followed when coarse poses are ranked
   double ray_weight{1.0};          ///< coarse value lost when all beams cross something solid
-  std::uint32_t refined{100};      ///< best ranked coarse poses that are refined and scored
+  std::uint32_t refined{60};       ///< best ranked coarse poses that are refined and scored
   std::uint32_t unranked{10};      ///< of them the best by coarse value alone, whatever their beams cross
   double distinct_distance{0.5};   ///< m, poses nearer than this and
   double distinct_heading{radians_from_degrees(10)};  ///< rad, turned less than this are one pose
