@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -59,11 +60,26 @@ nlohmann::ordered_json strategy_json(const StrategyCurve& curve) {
   return json;
 }
 
+nlohmann::ordered_json reliability_json(const RevisitSummary& summary) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const ReliabilityBin& bin : summary.reliability) {
+    json.push_back({{"from", bin.low},
+                    {"to", std::min(1.0, bin.high)},
+                    {"mean_confidence", bin.mean_confidence},
+                    {"answers", bin.right.total},
+                    {"right", bin.right.value()}});
+  }
+  return json;
+}
+
 nlohmann::ordered_json revisit_json(const RevisitSummary& summary) {
   return {{"recall_at_95", recall_at_precision(summary.curve, 0.95)},
           {"recall_at_99", recall_at_precision(summary.curve, 0.99)},
           {"recall_at_100", recall_at_precision(summary.curve, 1.0)},
           {"average_precision", average_precision(summary.curve)},
+          {"unique_right", summary.unique_right.value()},
+          {"unique_found", summary.unique_found.value()},
+          {"reliability", reliability_json(summary)},
           {"success", summary.success.value()},
           {"success_wilson", pair_of(summary.success.wilson())},
           {"success_bootstrap", pair_of(summary.success_bootstrap)},
@@ -198,7 +214,9 @@ std::vector<std::vector<std::string>> revisit_rows(const RevisitSummary& summary
           {"recall at precision 0.95", fmt::format("{:.3f}", recall_at_precision(summary.curve, 0.95))},
           {"recall at precision 0.99", fmt::format("{:.3f}", recall_at_precision(summary.curve, 0.99))},
           {"recall at precision 1.00", fmt::format("{:.3f}", recall_at_precision(summary.curve, 1.0))},
-          {"average precision", fmt::format("{:.3f}", average_precision(summary.curve))}};
+          {"average precision", fmt::format("{:.3f}", average_precision(summary.curve))},
+          {"right of those called unique", with_interval(summary.unique_right)},
+          {"called unique and right", with_interval(summary.unique_found)}};
 }
 
 std::vector<std::vector<std::string>> time_rows(const LocalizationBench& bench) {
@@ -212,6 +230,17 @@ std::vector<std::vector<std::string>> time_rows(const LocalizationBench& bench) 
           {"  candidates ranked by their beams, median", us(bench.times.rank_median)},
           {"  refinement, score, verdict, median", us(bench.times.refine_median)},
           {"neighbours taken out of the map (protocol only)", us(bench.times.prepare_median)}};
+}
+
+std::vector<std::vector<std::string>> reliability_rows(const RevisitSummary& summary) {
+  std::vector<std::vector<std::string>> rows;
+  for (const ReliabilityBin& bin : summary.reliability) {
+    if (bin.right.total == 0) { continue; }
+    rows.push_back({fmt::format("{:.2f} to {:.2f}", bin.low, std::min(1.0, bin.high)),
+                    fmt::format("{:.3f}", bin.mean_confidence), with_interval(bin.right),
+                    std::to_string(bin.right.total)});
+  }
+  return rows;
 }
 
 const std::vector<std::string> strategy_header{"strategy", "p_GL: correct of all [Wilson 95 %]", "by blocks",
@@ -242,6 +271,8 @@ std::string report(const Options& options, const LocalizationBench& bench, const
   if (bench.revisit) {
     page.table({"measure", "value [Wilson 95 %]"}, revisit_rows(*bench.revisit));
     page.figure(svg::to_svg(revisit_figure(*bench.revisit)), "Every accepted wrong pose counts, whoever asked.");
+    page.heading("Is the confidence a probability?");
+    page.table({"confidence", "mean", "right [Wilson 95 %]", "answers"}, reliability_rows(*bench.revisit));
   } else {
     page.table(strategy_header, strategy_rows(bench));
     page.figure(svg::to_svg(strategies_figure(bench)), "Shaded: Wilson 95 % intervals.");

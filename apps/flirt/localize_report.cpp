@@ -7,7 +7,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <set>
 #include <utility>
 
 namespace flirt::app {
@@ -96,17 +95,14 @@ std::string summary_text(const LocalizeSummary& summary) {
 }
 
 std::vector<Point2> map_points(const PlaceMap& map) {
-  constexpr double cell = 0.05;
-  std::set<std::pair<std::int64_t, std::int64_t>> cells;
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    for (const BeamPoint& end : hit_points(map.scan(i))) {
-      const Point2 point = map.map_from_sensor(i) * end.point;
-      cells.emplace(std::llround(point.x / cell), std::llround(point.y / cell));
-    }
-  }
+  const double cell = map.evidence().params().cell_size;
   std::vector<Point2> points;
-  points.reserve(cells.size());
-  for (const auto& [x, y] : cells) { points.push_back({cell * static_cast<double>(x), cell * static_cast<double>(y)}); }
+  map.evidence().for_each_row([&](CellIndex first, std::span<const EvidenceCell> row) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      if (!row[i].occupied()) { continue; }
+      points.push_back({(first.x + static_cast<double>(i) + 0.5) * cell, (first.y + 0.5) * cell});
+    }
+  });
   return points;
 }
 
@@ -119,16 +115,16 @@ std::string localization_picture(std::vector<Point2> points, const Scan& scan, c
     for (const BeamPoint& end : hit_points(scan)) { ends.at.push_back(best->map_from_sensor * end.point); }
     plan.layers.emplace_back(std::move(ends));
   }
+  if (pose_in_log) {
+    plan.layers.emplace_back(svg::Robots{
+        .map_from_robot = {*pose_in_log}, .colour = svg::black, .length = 1.4, .legend = "pose in the log"});
+  }
   svg::Robots poses{.colour = svg::vermilion, .length = 0.6, .legend = "hypotheses"};
   for (const PoseHypothesis& hypothesis : result.hypotheses) {
     const bool shown = hypothesis.weight >= least_shown_weight && poses.map_from_robot.size() < most_shown;
     if (shown) { poses.map_from_robot.push_back(hypothesis.map_from_sensor); }
   }
   plan.layers.emplace_back(std::move(poses));
-  if (pose_in_log) {
-    plan.layers.emplace_back(svg::Robots{
-        .map_from_robot = {*pose_in_log}, .colour = svg::black, .length = 1.0, .legend = "pose in the log"});
-  }
   return svg::to_svg({.panels = {plan}, .panel_width = 1000});
 }
 

@@ -39,7 +39,7 @@ struct LocalizeSummary {
 /// A few lines for people.
 [[nodiscard]] std::string summary_text(const LocalizeSummary& summary);
 
-/// The end points of all map scans, one per cell of 0.05 m.
+/// The occupied cells of the map.
 [[nodiscard]] std::vector<Point2> map_points(const PlaceMap& map);
 
 /// P1 Fig. 6 as SVG: the map, the hypotheses as triangles, and the scan at the best of them. `points` as of map_points.

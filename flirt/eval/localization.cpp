@@ -3,6 +3,7 @@
 #include "flirt/core/assert.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -163,7 +164,12 @@ RevisitSummary revisit_summary(std::span<const LocalizationAnswer> answers, std:
   std::vector<ScoredAnswer> scored;
   for (const LocalizationAnswer& answer : answers) {
     scored.push_back({answer.confidence, answer.answered, answer.correct, answer.answerable});
+    const bool unique = answer.verdict == to_string(Verdict::unique);
+    summary.unique_right.total += unique ? 1 : 0;
+    summary.unique_right.hits += unique && answer.correct ? 1 : 0;
     if (!answer.answerable) { continue; }
+    ++summary.unique_found.total;
+    summary.unique_found.hits += unique && answer.correct ? 1 : 0;
     ++summary.success.total;
     ++summary.precise_success.total;
     summary.success.hits += answer.correct ? 1 : 0;
@@ -173,6 +179,8 @@ RevisitSummary revisit_summary(std::span<const LocalizationAnswer> answers, std:
       blocks, [&](std::size_t i) { return answers[i].answerable; }, [&](std::size_t i) { return answers[i].correct; },
       seed);
   summary.curve = precision_recall(scored);
+  constexpr std::array edges{0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 1.01};
+  summary.reliability = reliability(scored, edges);
   return summary;
 }
 

@@ -86,6 +86,9 @@ struct RevisitSummary {
   Rate precise_success{};  ///< the same at 0.25 m and 5°
   Interval success_bootstrap{};
   std::vector<PrecisionRecallPoint> curve{};
+  std::vector<ReliabilityBin> reliability{};  ///< of the confidence
+  Rate unique_right{};                        ///< right among all answers called unique, whoever asked
+  Rate unique_found{};                        ///< answerable queries that were called unique and right
 };
 
 struct LocalizationTimes {

@@ -100,4 +100,23 @@ double quantile(std::vector<double> values, double q) {
   return values[below] + (position - static_cast<double>(below)) * (values[above] - values[below]);
 }
 
+std::vector<ReliabilityBin> reliability(std::span<const ScoredAnswer> answers, std::span<const double> edges) {
+  std::vector<ReliabilityBin> bins;
+  double low = 0;
+  for (const double high : edges) {
+    ReliabilityBin bin{.low = low, .high = high};
+    double sum = 0;
+    for (const ScoredAnswer& answer : answers) {
+      if (!answer.answered || answer.confidence < low || answer.confidence >= high) { continue; }
+      ++bin.right.total;
+      bin.right.hits += answer.correct ? 1 : 0;
+      sum += answer.confidence;
+    }
+    if (bin.right.total > 0) { bin.mean_confidence = sum / static_cast<double>(bin.right.total); }
+    bins.push_back(bin);
+    low = high;
+  }
+  return bins;
+}
+
 }  // namespace flirt

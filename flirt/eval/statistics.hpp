@@ -54,6 +54,19 @@ struct PrecisionRecallPoint {
 /// Area under the curve: Σ (recall_k − recall_(k−1)) · precision_k.
 [[nodiscard]] double average_precision(std::span<const PrecisionRecallPoint> curve);
 
+/// Answers whose confidence lies in [low, high): how often they were right.
+struct ReliabilityBin {
+  double low{0};
+  double high{0};
+  double mean_confidence{0};  ///< 0 for an empty bin
+  Rate right{};
+};
+
+/// The answers given, in bins that end at `edges` (rising, the last one 1 or more): a confidence is calibrated when the
+/// rate of each bin is its mean confidence.
+[[nodiscard]] std::vector<ReliabilityBin> reliability(std::span<const ScoredAnswer> answers,
+                                                      std::span<const double> edges);
+
 /// The q-quantile (0..1) by linear interpolation; 0 for no values. The order of `values` does not matter.
 [[nodiscard]] double quantile(std::vector<double> values, double q);
 

@@ -92,6 +92,8 @@ RefinedPose refine(const MapFields& fields, const ScanPoints& points, const Pose
   const double variance = params.range_sigma * params.range_sigma;
   const Eigen::Matrix3d information = information_of(sum) / variance + Eigen::Matrix3d::Identity();
   RefinedPose refined{{pose.x + fields.origin.x, pose.y + fields.origin.y, pose.theta}, information.inverse(), 0};
+  refined.covariance.diagonal() +=
+      Eigen::Vector3d(params.common_translation, params.common_translation, params.common_rotation).cwiseAbs2();
   refined.support = points.size() == 0 ? 0.0 : sum.weight / static_cast<double>(points.size());
   return refined;
 }

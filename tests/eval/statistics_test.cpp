@@ -75,5 +75,20 @@ TEST(Quantile, InterpolatesAndIgnoresOrder) {
   EXPECT_DOUBLE_EQ(quantile({}, 0.5), 0);
 }
 
+TEST(Reliability, CountsAnswersByTheirConfidence) {
+  const std::vector<ScoredAnswer> answers{{.confidence = 0.2, .answered = true, .correct = false},
+                                          {.confidence = 0.4, .answered = true, .correct = true},
+                                          {.confidence = 0.9, .answered = true, .correct = true},
+                                          {.confidence = 0.9, .answered = false, .correct = false}};
+  const std::vector<double> edges{0.5, 1.01};
+  const std::vector<ReliabilityBin> bins = reliability(answers, edges);
+  ASSERT_EQ(bins.size(), 2U);
+  EXPECT_EQ(bins[0].right.total, 2U);
+  EXPECT_EQ(bins[0].right.hits, 1U);
+  EXPECT_NEAR(bins[0].mean_confidence, 0.3, 1e-12);
+  EXPECT_EQ(bins[1].right.total, 1U);
+  EXPECT_EQ(bins[1].right.hits, 1U);
+}
+
 }  // namespace
 }  // namespace flirt
