@@ -99,13 +99,14 @@ int run(Options& options, const Session& session) {
 
 void add_slam(CLI::App& program, Session& session) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = add_command(program, session, "slam",
-                                  "Make a consistent map of any log, with odometry or without.",
-                                  "flirt slam run.log.gz -o run-map");
+  CLI::App* command =
+      add_command(program, session, "slam", "Make a consistent map of any log, with odometry or without.",
+                  "flirt slam run.log.gz -o run-map");
   command->add_option("LOG", options->log, "log of scans")->required();
   command->add_option("-o,--output", options->out, "folder for the results")->required();
   command->add_flag("--no-odometry", options->no_odometry, "do as if the log had no odometry");
-  command->add_option("--window", options->window, "incremental mapping over the last N scans, no closures, no odometry")
+  command
+      ->add_option("--window", options->window, "incremental mapping over the last N scans, no closures, no odometry")
       ->check(CLI::Range(1, 1000000));
   std::vector<std::string> front_ends;
   for (const auto& [kind, name] : enum_names(FrontEndKind{})) { front_ends.emplace_back(name); }

@@ -40,17 +40,15 @@ std::vector<StampedPose> trajectory(const SlamRun& run, const ScanLog& log) {
 
 std::string figure(const SlamRun& run, const GridMapImage& map) {
   svg::Plan plan;
-  plan.layers.emplace_back(svg::Raster{.image = map.image,
-                                       .map_from_image = map.metadata.origin,
-                                       .resolution = map.metadata.resolution,
-                                       .opacity = 1});
+  plan.layers.emplace_back(svg::Raster{
+      .image = map.image, .map_from_image = map.metadata.origin, .resolution = map.metadata.resolution, .opacity = 1});
   svg::Polylines way{.lines = {{}}, .colour = svg::blue, .width = 0.8, .legend = "way of the robot"};
   for (const Pose2& pose : run.graph.map_from_node) { way.lines.front().push_back(pose.translation()); }
   svg::Polylines loops{.colour = svg::vermilion, .width = 0.6, .legend = "closures"};
   for (const PoseEdge& edge : run.graph.edges) {
     if (edge.kind != EdgeKind::loop) { continue; }
-    loops.lines.push_back({run.graph.map_from_node[edge.a].translation(),
-                           run.graph.map_from_node[edge.b].translation()});
+    loops.lines.push_back(
+        {run.graph.map_from_node[edge.a].translation(), run.graph.map_from_node[edge.b].translation()});
   }
   svg::Points unseen{.colour = svg::orange, .radius = 2.5, .legend = "motion not observable"};
   for (std::size_t i = 0; i < run.steps.size(); ++i) {
@@ -93,9 +91,10 @@ std::string report(const SlamRun& run, const GridMapImage& map) {
   HtmlReport html("flirt slam: " + std::filesystem::path(run.log).filename().string());
   html.figure(figure(run, map), "Black: occupied. White: free. Grey: never seen.");
   if (run.summary.unobservable > 0) {
-    html.paragraph(fmt::format("{} motions could not be seen in some direction (a bare corridor, or nothing in sight): "
-                               "there the map's length is a guess, unless a closure corrected it.",
-                               run.summary.unobservable));
+    html.paragraph(
+        fmt::format("{} motions could not be seen in some direction (a bare corridor, or nothing in sight): "
+                    "there the map's length is a guess, unless a closure corrected it.",
+                    run.summary.unobservable));
   }
   html.heading("What was found");
   html.table({"", ""}, counts_table(run));

@@ -84,10 +84,8 @@ void LocalMap::forget_lines_around(CellIndex centre) {
 
 template <LocalMap::Change change>
 void LocalMap::count_passes(Point2 from, Point2 to) {
-  const auto in_cells = [](Point2 point) {
-    return fixed_point({point.x / pass_cell_size, point.y / pass_cell_size});
-  };
-  const auto visit = [&](CellIndex index, std::uint16_t PassCell::*counter) {
+  const auto in_cells = [](Point2 point) { return fixed_point({point.x / pass_cell_size, point.y / pass_cell_size}); };
+  const auto visit = [&](CellIndex index, std::uint16_t PassCell::* counter) {
     if constexpr (change == Change::add) {
       passes_.hold(index);
       ++(passes_.at(index).*counter);

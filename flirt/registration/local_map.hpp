@@ -24,13 +24,13 @@ namespace flirt {
 /// What the end points in one cell, and around it, amount to. All counts are whole numbers, so that adding and removing
 /// cancel exactly.
 struct SurfaceCell {
-  std::uint32_t count{0};       ///< end points
-  std::uint32_t x{0}, y{0};     ///< sums of their places from the lower corner, 1/1024 cell
-  std::uint32_t rings{0};       ///< 4 bits a ring of cells around: occupied cells in it
-  std::int32_t normals{0};      ///< points with a normal
-  std::int32_t normal_xx{0};    ///< sum of cos 2φ, φ the direction of a normal, 1/1024
-  std::int32_t normal_xy{0};    ///< sum of sin 2φ, 1/1024
-  mutable LinePiece line{};     ///< through the points of this cell and its neighbours, when `has_line`
+  std::uint32_t count{0};        ///< end points
+  std::uint32_t x{0}, y{0};      ///< sums of their places from the lower corner, 1/1024 cell
+  std::uint32_t rings{0};        ///< 4 bits a ring of cells around: occupied cells in it
+  std::int32_t normals{0};       ///< points with a normal
+  std::int32_t normal_xx{0};     ///< sum of cos 2φ, φ the direction of a normal, 1/1024
+  std::int32_t normal_xy{0};     ///< sum of sin 2φ, 1/1024
+  mutable LinePiece line{};      ///< through the points of this cell and its neighbours, when `has_line`
   mutable bool has_line{false};  ///< worked out when first asked for, dropped when a cell nearby changes
 
   /// Equal evidence.
@@ -76,7 +76,8 @@ class LocalMap {
   /// The line through the end points in the 3 × 3 cells around a place; null where there are none. Valid until the map
   /// changes.
   [[nodiscard]] const LinePiece* line_at(Point2 in_map) const;
-  /// Of one scan, or of several that are moved together, all in the frame of one robot. O(points · cells a beam passes).
+  /// Of one scan, or of several that are moved together, all in the frame of one robot. O(points · cells a beam
+  /// passes).
   [[nodiscard]] Agreed agreement(std::span<const SurfacePoints> scans, const Pose2& map_from_robot) const;
 
   /// Values of cells (x, y), (x + 1, y), … for `row_length` cells: `largest` on end points, falling to 0 at 0.3 m.

@@ -57,8 +57,8 @@ float rough_bearing(float x, float y) {
 }
 
 std::size_t bin_of(float bearing) {
-  const auto bin = static_cast<int>((bearing + std::numbers::pi_v<float>) *
-                                    (static_cast<float>(SurfacePoints::bins) / (2 * std::numbers::pi_v<float>)));
+  const auto bin = static_cast<int>((bearing + std::numbers::pi_v<float>)*(static_cast<float>(SurfacePoints::bins) /
+                                                                           (2 * std::numbers::pi_v<float>)));
   return static_cast<std::size_t>(std::clamp(bin, 0, static_cast<int>(SurfacePoints::bins) - 1));
 }
 

@@ -8,8 +8,8 @@
 namespace flirt {
 namespace {
 
-constexpr std::int32_t tile_side = 4;        // places
-constexpr std::int32_t tile_headings = 3;    // headings
+constexpr std::int32_t tile_side = 4;         // places
+constexpr std::int32_t tile_headings = 3;     // headings
 constexpr std::size_t points_in_a_byte = 17;  // 17 · 15 = 255
 
 using RowSums = std::array<std::uint16_t, LocalMap::row_length>;
@@ -123,13 +123,15 @@ std::vector<WindowPose> distinct(const std::vector<Place>& places, const SearchW
 
 }  // namespace
 
-std::vector<WindowPose> search_window(const LocalMap& map, std::span<const SurfacePoints> scans, const SearchWindow& window) {
+std::vector<WindowPose> search_window(const LocalMap& map, std::span<const SurfacePoints> scans,
+                                      const SearchWindow& window) {
   const std::vector<Point2> picked = picked_points(scans, window.most_points);
   if (picked.empty()) { return {}; }
   const auto reach = static_cast<std::int32_t>(std::ceil(window.half_extent / LocalMap::cell_size));
   constexpr double half_turn = std::numbers::pi;
   const bool all_headings = window.half_turn >= half_turn;
-  const auto turn_steps = static_cast<std::int32_t>(std::ceil((all_headings ? half_turn : window.half_turn) / window.heading_step));
+  const auto turn_steps =
+      static_cast<std::int32_t>(std::ceil((all_headings ? half_turn : window.half_turn) / window.heading_step));
   const double step = all_headings ? half_turn / turn_steps : window.heading_step;
   TileMaxima maxima(reach);
   std::vector<Place> places;

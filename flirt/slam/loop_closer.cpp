@@ -36,11 +36,11 @@ std::vector<SurfacePoints> LoopCloser::query_scans(std::span<const SlamScan> sca
 
 /// Brings the map of earlier scans up to date: those near the robot, where they are now. False when there are none.
 bool LoopCloser::gather(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, double radius) {
-  constexpr double moved = 0.03;       // m, a scan that the graph moved more is placed anew
-  constexpr double turned = 0.005;     // rad
-  constexpr double spacing = 0.35;     // m, between scans that look the same way
+  constexpr double moved = 0.03;    // m, a scan that the graph moved more is placed anew
+  constexpr double turned = 0.005;  // rad
+  constexpr double spacing = 0.35;  // m, between scans that look the same way
   const double same_way = radians_from_degrees(30);
-  constexpr double slack = 3;          // m, before a scan is dropped again
+  constexpr double slack = 3;  // m, before a scan is dropped again
   const Pose2& here = map_from_node.back();
   std::erase_if(placed_, [&](const Placed& placed) {
     const bool stays = distance(placed.map_from_node, here) < radius + slack &&
@@ -64,8 +64,8 @@ bool LoopCloser::gather(std::span<const SlamScan> scans, std::span<const Pose2> 
 std::optional<LoopCloser::Found> LoopCloser::search(std::span<const SurfacePoints> query, std::size_t node,
                                                     const Pose2& at, double extent, double turn) const {
   constexpr double keep = 0.6;
-  const SearchWindow window{.map_from_robot = at, .half_extent = extent, .half_turn = turn, .most_points = 150,
-                            .candidates = 8};
+  const SearchWindow window{
+      .map_from_robot = at, .half_extent = extent, .half_turn = turn, .most_points = 150, .candidates = 8};
   const std::vector<WindowPose> candidates = search_window(map_, query, window);
   Found best{.node = node, .score = -1e9};
   std::vector<std::pair<Pose2, double>> judged;
@@ -90,8 +90,8 @@ std::optional<LoopCloser::Found> LoopCloser::search(std::span<const SurfacePoint
     }
   }
   best.margin = best.score - second;
-  const bool good = best.score >= params_.loop_score && best.margin >= params_.loop_margin &&
-                    agreed.unknown <= params_.loop_unknown;
+  const bool good =
+      best.score >= params_.loop_score && best.margin >= params_.loop_margin && agreed.unknown <= params_.loop_unknown;
   return good ? std::optional(best) : std::nullopt;
 }
 

@@ -1,7 +1,7 @@
 #include "flirt/slam/polish.hpp"
 
-#include "flirt/registration/surface_alignment.hpp"
 #include "flirt/graph/optimize.hpp"
+#include "flirt/registration/surface_alignment.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -12,7 +12,7 @@
 namespace flirt {
 namespace {
 
-constexpr double reach = 3;  // m between the robots of a pair
+constexpr double reach = 3;             // m between the robots of a pair
 constexpr double heading_metres = 1.5;  // m that a radian between headings counts as
 
 double apart(const Pose2& a, const Pose2& b) {
@@ -68,13 +68,13 @@ std::vector<ScanPair> overlapping_pairs(std::span<const Pose2> map_from_node, st
     nearby.for_each(map_from_node[b], [&](std::uint32_t a) {
       if (a + neighbours_in_time < b && apart(map_from_node[a], map_from_node[b]) < reach) { near.push_back(a); }
     });
-    std::ranges::sort(near, {}, [&](std::uint32_t a) { return std::pair(apart(map_from_node[a], map_from_node[b]), a); });
+    std::ranges::sort(near, {},
+                      [&](std::uint32_t a) { return std::pair(apart(map_from_node[a], map_from_node[b]), a); });
     std::vector<std::uint32_t> taken;
     for (const std::uint32_t a : near) {
       if (taken.size() == most) { break; }
-      const bool known = std::ranges::any_of(taken, [&](std::uint32_t other) {
-        return (a > other ? a - other : other - a) < same_visit;
-      });
+      const bool known = std::ranges::any_of(
+          taken, [&](std::uint32_t other) { return (a > other ? a - other : other - a) < same_visit; });
       if (known) { continue; }
       taken.push_back(a);
       pairs.push_back({a, b});

@@ -25,7 +25,7 @@ class ScanFrontEnd {
   struct Judged {
     Pose2 local_from_robot{};
     AlignmentTerms terms{};
-    double score{-1e9};   ///< with the penalty for leaving the prediction
+    double score{-1e9};    ///< with the penalty for leaving the prediction
     double quality{-1e9};  ///< score that it would have if all points were where something had been seen
   };
   struct MapScan {

@@ -1,7 +1,7 @@
 #include "flirt/slam/slam.hpp"
 
-#include "flirt/registration/surface_points.hpp"
 #include "flirt/graph/optimize.hpp"
+#include "flirt/registration/surface_points.hpp"
 #include "flirt/slam/loop_closer.hpp"
 #include "flirt/slam/polish.hpp"
 #include "flirt/slam/scan_front_end.hpp"
@@ -19,7 +19,8 @@ using FrontEnd = std::variant<ScanFrontEnd>;
 
 FrontEnd make_front_end(const SlamParams& params) {
   switch (params.front_end) {
-    case FrontEndKind::scan: break;
+    case FrontEndKind::scan:
+      break;
   }
   return ScanFrontEnd(params);
 }

@@ -23,8 +23,8 @@ namespace flirt {
 struct SlamStep {
   Pose2 map_from_robot{};  ///< as known now; later closures may move it
   MotionSource source{MotionSource::first};
-  double score{0};           ///< of the scan in the map of the last metres
-  bool unobservable{false};  ///< the motion could not be seen in some direction
+  double score{0};            ///< of the scan in the map of the last metres
+  bool unobservable{false};   ///< the motion could not be seen in some direction
   std::uint32_t closures{0};  ///< earlier visits found
 };
 

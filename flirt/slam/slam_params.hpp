@@ -40,39 +40,39 @@ struct SlamParams {
   double start_theta{0};    ///< rad
   SurfacePointParams points{};
 
-  std::uint32_t map_scans{20};      ///< scans in the accumulated map, at least
-  double map_travel{6};             ///< m of travel that the accumulated map covers, at least
-  double narrow_extent{0.5};        ///< m, half width of the first search, without odometry
-  double narrow_turn{0.42};         ///< rad, the same for the heading
-  double odometry_extent{0.3};      ///< m, half width of the first search, with odometry
-  double odometry_turn{0.15};       ///< rad
-  double wide_extent{1.3};          ///< m, half width of the search that follows when the first does not convince
-  double convincing_score{11.0};    ///< a score above which the first search is believed
-  double usable_score{5.0};         ///< a score below which no pose is believed: prediction instead
+  std::uint32_t map_scans{20};       ///< scans in the accumulated map, at least
+  double map_travel{6};              ///< m of travel that the accumulated map covers, at least
+  double narrow_extent{0.5};         ///< m, half width of the first search, without odometry
+  double narrow_turn{0.42};          ///< rad, the same for the heading
+  double odometry_extent{0.3};       ///< m, half width of the first search, with odometry
+  double odometry_turn{0.15};        ///< rad
+  double wide_extent{1.3};           ///< m, half width of the search that follows when the first does not convince
+  double convincing_score{11.0};     ///< a score above which the first search is believed
+  double usable_score{5.0};          ///< a score below which no pose is believed: prediction instead
   double surprise_translation{1.0};  ///< score lost per m from the predicted pose
   double surprise_rotation{1.0};     ///< score lost per rad from the predicted heading
-  double range_sigma{0.03};         ///< m, of the distance of a point from a line, for the information of edges
-  double floor_translation{0.3};    ///< m, deviation of a motion nothing was measured of
-  double floor_rotation{0.1};       ///< rad
+  double range_sigma{0.03};          ///< m, of the distance of a point from a line, for the information of edges
+  double floor_translation{0.3};     ///< m, deviation of a motion nothing was measured of
+  double floor_rotation{0.1};        ///< rad
   double unobservable_share{0.015};  ///< less of the points' information about a direction than this: unobservable
 
-  double loop_every{0.7};         ///< m of travel between queries for earlier visits
-  double loop_min_travel{12};     ///< m of travel after which a place counts as visited earlier
-  std::uint32_t loop_min_scans{40};  ///< scans after which a place counts as visited earlier
-  double loop_query_travel{3};    ///< m of travel whose scans are moved together
+  double loop_every{0.7};             ///< m of travel between queries for earlier visits
+  double loop_min_travel{12};         ///< m of travel after which a place counts as visited earlier
+  std::uint32_t loop_min_scans{40};   ///< scans after which a place counts as visited earlier
+  double loop_query_travel{3};        ///< m of travel whose scans are moved together
   std::uint32_t loop_query_scans{6};  ///< scans that are moved together
-  double loop_extent{0.8};        ///< m, half width of the search, and
-  double loop_extent_growth{0.03};  ///< m per m of travel since the last closure
-  double loop_turn{0.105};        ///< rad, half width of the search, and
-  double loop_turn_growth{0.005};  ///< rad per m
-  double loop_score{8.5};         ///< least score of a closure
-  double loop_margin{2};          ///< least lead of its score over a second pose
-  double loop_clear_margin{6};    ///< a lead that needs no second query to agree
-  double loop_unknown{0.4};       ///< most of the points that may lie where nothing was seen
-  std::uint32_t loop_points{100};  ///< least number of points of a query
-  std::uint32_t polish_rounds{3};  ///< rounds of joint alignment of all scans at the end
-  double polish_keep{0.1};  ///< weight of what was measured before, beside the pairs
-  std::uint32_t polish_pairs{10};  ///< other scans that each scan is aligned with
+  double loop_extent{0.8};            ///< m, half width of the search, and
+  double loop_extent_growth{0.03};    ///< m per m of travel since the last closure
+  double loop_turn{0.105};            ///< rad, half width of the search, and
+  double loop_turn_growth{0.005};     ///< rad per m
+  double loop_score{8.5};             ///< least score of a closure
+  double loop_margin{2};              ///< least lead of its score over a second pose
+  double loop_clear_margin{6};        ///< a lead that needs no second query to agree
+  double loop_unknown{0.4};           ///< most of the points that may lie where nothing was seen
+  std::uint32_t loop_points{100};     ///< least number of points of a query
+  std::uint32_t polish_rounds{3};     ///< rounds of joint alignment of all scans at the end
+  double polish_keep{0.1};            ///< weight of what was measured before, beside the pairs
+  std::uint32_t polish_pairs{10};     ///< other scans that each scan is aligned with
 };
 
 template <class Params, class Visitor>
@@ -94,7 +94,8 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.wide_extent, Field{"wide_extent", "m", "half width of the search that follows", 0.1, 10});
   visit(params.convincing_score, Field{"convincing_score", "", "the first search is believed above", -50, 50});
   visit(params.usable_score, Field{"usable_score", "", "no pose is believed below", -50, 50});
-  visit(params.surprise_translation, Field{"surprise_translation", "1/m", "score lost by leaving the prediction", 0, 50});
+  visit(params.surprise_translation,
+        Field{"surprise_translation", "1/m", "score lost by leaving the prediction", 0, 50});
   visit(params.surprise_rotation, Field{"surprise_rotation", "1/rad", "score lost by leaving the prediction", 0, 50});
   visit(params.range_sigma, Field{"range_sigma", "m", "deviation of a point from a line", 0.001, 1});
   visit(params.floor_translation, Field{"floor_translation", "m", "deviation of an unmeasured motion", 0.01, 10});

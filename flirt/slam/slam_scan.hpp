@@ -23,8 +23,8 @@ struct SlamScan {
          weights.through * agreed.through;
 }
 
-/// What the terms of an alignment are worth as information of an edge: residuals deviate by `range_sigma`, and what many
-/// points have in common (calibration, walls that are not straight) is never known better than 5 mm and 0.1°.
+/// What the terms of an alignment are worth as information of an edge: residuals deviate by `range_sigma`, and what
+/// many points have in common (calibration, walls that are not straight) is never known better than 5 mm and 0.1°.
 [[nodiscard]] inline Eigen::Matrix3d edge_information(const Eigen::Matrix3d& terms, double range_sigma,
                                                       const Eigen::Matrix3d& least) {
   const Eigen::Vector3d common(2.5e-5, 2.5e-5, 3e-6);
