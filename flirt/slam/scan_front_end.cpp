@@ -137,6 +137,20 @@ void ScanFrontEnd::add_relative(Motion& motion, const Judged& found) const {
   }
 }
 
+/// Whether the pose agrees clearly better with the map than poses to both sides of it: what few surfaces hold it then
+/// do so for sure (the end of a long corridor).
+bool ScanFrontEnd::stands_out(const SurfacePoints& points, const Pose2& local_from_robot,
+                              Point2 direction_in_robot) const {
+  constexpr double aside = 0.3;  // m
+  const std::span<const SurfacePoints> scan(&points, 1);
+  const double here = score_of(map_.agreement(scan, local_from_robot));
+  for (const double step : {-aside, aside}) {
+    const Pose2 there = local_from_robot * Pose2{step * direction_in_robot.x, step * direction_in_robot.y, 0};
+    if (here - score_of(map_.agreement(scan, there)) < params_.unobservable_drop) { return false; }
+  }
+  return true;
+}
+
 /// Along a direction of which the scan says nothing the prediction stands, and nothing counts as measured.
 void ScanFrontEnd::keep_prediction(Judged& found, const Pose2& prediction, Point2 direction_in_robot) {
   const Point2 direction = Pose2{0, 0, found.local_from_robot.theta} * direction_in_robot;
@@ -180,7 +194,9 @@ Motion ScanFrontEnd::add(const SlamScan& scan) {
     }
   }
   const Hold hold = hold_of(scan.points);
-  motion.unobservable = motion.source == MotionSource::prediction || hold.weakest < params_.unobservable_share;
+  motion.unobservable =
+      motion.source == MotionSource::prediction ||
+      (hold.weakest < params_.unobservable_share && !stands_out(scan.points, found.local_from_robot, hold.direction));
   if (motion.unobservable) { keep_prediction(found, prediction, hold.direction); }
   add_relative(motion, found);
   remember(scan, found.local_from_robot);

@@ -41,6 +41,8 @@ class ScanFrontEnd {
   void remember(const SlamScan& scan, const Pose2& local_from_robot);
   void restart(const SlamScan& scan, const Pose2& local_from_robot);
   void add_to_map(const SurfacePoints& points, const Pose2& local_from_robot);
+  [[nodiscard]] bool stands_out(const SurfacePoints& points, const Pose2& local_from_robot,
+                                Point2 direction_in_robot) const;
   static void keep_prediction(Judged& found, const Pose2& prediction, Point2 direction_in_robot);
   void add_relative(Motion& motion, const Judged& found) const;
 

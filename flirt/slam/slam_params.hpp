@@ -55,6 +55,7 @@ struct SlamParams {
   double floor_translation{0.3};     ///< m, deviation of a motion nothing was measured of
   double floor_rotation{0.1};        ///< rad
   double unobservable_share{0.015};  ///< less of the points' information about a direction than this: unobservable
+  double unobservable_drop{0.5};  ///< score that a pose 0.3 m aside must lose for such a direction to be held after all
 
   double loop_every{0.7};             ///< m of travel between queries for earlier visits
   double loop_min_travel{12};         ///< m of travel after which a place counts as visited earlier
@@ -102,6 +103,8 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.floor_rotation, Field{"floor_rotation", "rad", "deviation of an unmeasured motion", 0.001, 3.2});
   visit(params.unobservable_share,
         Field{"unobservable_share", "1", "less information a point about a direction: unobservable", 0, 1});
+  visit(params.unobservable_drop,
+        Field{"unobservable_drop", "", "score lost 0.3 m aside that shows a motion after all", 0, 50});
   visit(params.loop_every, Field{"loop_every", "m", "travel between queries for earlier visits", 0.05, 100});
   visit(params.loop_min_travel, Field{"loop_min_travel", "m", "travel until a place counts as earlier", 1, 1000});
   visit(params.loop_min_scans, Field{"loop_min_scans", "", "scans until a place counts as earlier", 1, 10000});
