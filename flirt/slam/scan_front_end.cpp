@@ -48,6 +48,31 @@ Hold hold_of(const SurfacePoints& points) {
   return {solver.eigenvalues().x() / surfaces, {direction.x(), direction.y()}};
 }
 
+/// A point with no surface fitted to it that lies in line with its neighbours: a wall at a grazing angle, where it is hit
+/// depends on where the robot stands.
+bool grazes(const SurfacePoints& points, std::size_t i) {
+  constexpr double cos_in_line = 0.985;  // 10°
+  if (points.normal_x[i] != 0 || points.normal_y[i] != 0) { return false; }
+  if (i == 0 || i + 1 == points.size()) { return true; }
+  const auto at = [&](std::size_t k) { return Point2{points.x[k], points.y[k]}; };
+  const Point2 before = at(i) - at(i - 1);
+  const Point2 after = at(i + 1) - at(i);
+  return dot(before, after) > cos_in_line * norm(before) * norm(after);
+}
+
+SurfacePoints without_grazed(const SurfacePoints& points) {
+  SurfacePoints kept;
+  kept.origin = points.origin;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (grazes(points, i)) { continue; }
+    kept.x.push_back(points.x[i]);
+    kept.y.push_back(points.y[i]);
+    kept.normal_x.push_back(points.normal_x[i]);
+    kept.normal_y.push_back(points.normal_y[i]);
+  }
+  return kept;
+}
+
 }  // namespace
 
 bool ScanFrontEnd::uses_odometry(const SlamScan& scan) const {
@@ -142,7 +167,8 @@ void ScanFrontEnd::add_relative(Motion& motion, const Judged& found) const {
 bool ScanFrontEnd::stands_out(const SurfacePoints& points, const Pose2& local_from_robot,
                               Point2 direction_in_robot) const {
   constexpr double aside = 0.3;  // m
-  const std::span<const SurfacePoints> scan(&points, 1);
+  const SurfacePoints telling = without_grazed(points);
+  const std::span<const SurfacePoints> scan(&telling, 1);
   const double here = score_of(map_.agreement(scan, local_from_robot));
   for (const double step : {-aside, aside}) {
     const Pose2 there = local_from_robot * Pose2{step * direction_in_robot.x, step * direction_in_robot.y, 0};
