@@ -54,6 +54,45 @@ PoseEdge pair_edge(const ScanPair& pair, const Pose2& a_from_b, const AlignmentT
   return {pair.a, pair.b, stepped(a_from_b, step), terms.information / (range_sigma * range_sigma), EdgeKind::motion};
 }
 
+/// Points of each scan that have a normal, so that they can be drawn onto lines.
+std::vector<double> surface_counts(std::span<const SlamScan> scans) {
+  std::vector<double> counts;
+  for (const SlamScan& scan : scans) {
+    double count = 0;
+    for (std::size_t i = 0; i < scan.points.size(); ++i) {
+      count += scan.points.normal_x[i] != 0 || scan.points.normal_y[i] != 0 ? 1 : 0;
+    }
+    counts.push_back(count);
+  }
+  return counts;
+}
+
+/// Edges of all pairs that see enough of each other, after those that were there before.
+PolishSummary add_pair_edges(PoseGraph& joint, std::span<const ScanPair> pairs, std::span<const SlamScan> scans,
+                             double width, double range_sigma) {
+  constexpr double least_share = 0.3;  // of the points must find a partner
+  constexpr std::size_t fewest = 10;   // points
+  const std::vector<double> counts = surface_counts(scans);
+  PolishSummary summary{.fit = std::vector<double>(scans.size(), 0.0)};
+  double squared = 0;
+  double weight = 0;
+  for (const ScanPair& pair : pairs) {
+    const Pose2 a_from_b = inverse(joint.map_from_node[pair.a]) * joint.map_from_node[pair.b];
+    const AlignmentTerms terms = alignment_terms(scans[pair.a].points, scans[pair.b].points, a_from_b, width);
+    const double most = std::min(counts[pair.a], counts[pair.b]);
+    if (terms.pairs < fewest || static_cast<double>(terms.pairs) < least_share * most) { continue; }
+    joint.edges.push_back(pair_edge(pair, a_from_b, terms, range_sigma));
+    ++summary.pairs;
+    squared += terms.squared_residuals;
+    weight += terms.weight;
+    for (const std::uint32_t node : {pair.a, pair.b}) {
+      summary.fit[node] = std::max(summary.fit[node], std::min(1.0, terms.weight / most));
+    }
+  }
+  summary.residual = weight > 0 ? std::sqrt(squared / weight) : 0;
+  return summary;
+}
+
 }  // namespace
 
 std::vector<ScanPair> overlapping_pairs(std::span<const Pose2> map_from_node, std::size_t most) {
@@ -86,33 +125,15 @@ std::vector<ScanPair> overlapping_pairs(std::span<const Pose2> map_from_node, st
 PolishSummary polish(PoseGraph& graph, std::span<const SlamScan> scans, const SlamParams& params) {
   constexpr double first_width = 0.12;
   constexpr double last_width = 0.05;
-  constexpr double least_share = 0.3;  // of the points must find a partner
   PolishSummary summary;
-  PoseGraph joint;
-  joint.map_from_node = graph.map_from_node;
-  const std::vector<ScanPair> pairs = overlapping_pairs(joint.map_from_node, params.polish_pairs);
+  const std::vector<ScanPair> pairs = overlapping_pairs(graph.map_from_node, params.polish_pairs);
   for (std::uint32_t round = 0; round < params.polish_rounds; ++round) {
-    const double width = round == 0 ? first_width : last_width;
-    joint.edges.clear();
-    double squared = 0;
-    double weight = 0;
-    for (PoseEdge edge : graph.edges) {
-      edge.information *= params.polish_keep;
-      joint.edges.push_back(edge);
-    }
-    for (const ScanPair& pair : pairs) {
-      const Pose2 a_from_b = inverse(joint.map_from_node[pair.a]) * joint.map_from_node[pair.b];
-      const AlignmentTerms terms = alignment_terms(scans[pair.a].points, scans[pair.b].points, a_from_b, width);
-      const double most = static_cast<double>(std::min(scans[pair.a].points.size(), scans[pair.b].points.size()));
-      if (static_cast<double>(terms.pairs) < least_share * most || terms.pairs < 10) { continue; }
-      joint.edges.push_back(pair_edge(pair, a_from_b, terms, params.range_sigma));
-      squared += terms.squared_residuals;
-      weight += terms.weight;
-    }
-    summary = {joint.edges.size(), weight > 0 ? std::sqrt(squared / weight) : 0};
+    PoseGraph joint = graph;
+    for (PoseEdge& edge : joint.edges) { edge.information *= params.polish_keep; }
+    summary = add_pair_edges(joint, pairs, scans, round == 0 ? first_width : last_width, params.range_sigma);
     static_cast<void>(optimize(joint, {.iterations = 3}));
+    graph.map_from_node = joint.map_from_node;
   }
-  graph.map_from_node = joint.map_from_node;
   return summary;
 }
 

@@ -26,6 +26,7 @@ struct ScanPair {
 struct PolishSummary {
   std::size_t pairs{0};
   double residual{0};
+  std::vector<double> fit{};  ///< per scan: robust share of its points that agree with its best partner, 0..1
 };
 
 /// Rounds of: each pair's point-to-line terms at the present poses, as one edge; least squares over all of them and the

@@ -4,6 +4,7 @@
 #include "flirt/registration/surface_points.hpp"
 #include "flirt/slam/loop_closer.hpp"
 #include "flirt/slam/polish.hpp"
+#include "flirt/slam/repair.hpp"
 #include "flirt/slam/scan_front_end.hpp"
 #include "flirt/slam/slam_scan.hpp"
 
@@ -120,7 +121,9 @@ void Slam::finish() {
   if (s.params.window > 0) { return; }
   s.optimize_poses(10);
   const auto begin = Clock::now();
-  const PolishSummary polished = polish(s.graph, s.scans, s.params);
+  PolishSummary polished = polish(s.graph, s.scans, s.params);
+  s.summary.repaired = s.params.polish_rounds == 0 ? 0 : repair(s.graph, s.scans, polished.fit, s.params);
+  if (s.summary.repaired > 0) { polished = polish(s.graph, s.scans, s.params); }
   s.summary.pairs = polished.pairs;
   s.summary.pair_residual = polished.residual;
   s.summary.seconds.polish += seconds_since(begin);

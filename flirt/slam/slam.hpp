@@ -44,6 +44,7 @@ struct SlamSummary {
   std::size_t wide{0};          ///< scans that only the wide search found
   std::size_t predictions{0};   ///< scans whose motion is the prediction
   std::size_t optimizations{0};
+  std::size_t repaired{0};  ///< scans that were put elsewhere at the end
   std::size_t pairs{0};     ///< of scans that were aligned with each other at the end
   double pair_residual{0};  ///< m, root mean square of their points' distances from the other's lines
   SlamTimes seconds{};
