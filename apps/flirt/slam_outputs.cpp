@@ -68,6 +68,7 @@ std::vector<std::vector<std::string>> counts_table(const SlamRun& run) {
           {"motions not observable in some direction", std::to_string(s.unobservable)},
           {"scans found by the wide search only", std::to_string(s.wide)},
           {"scans placed by prediction alone", std::to_string(s.predictions)},
+          {"scans put elsewhere at the end", std::to_string(s.repaired)},
           {"pairs of scans aligned at the end", std::to_string(s.pairs)},
           {"their points from the other's lines, rms (m)", fmt::format("{:.4f}", s.pair_residual)}};
 }
@@ -122,6 +123,7 @@ nlohmann::ordered_json slam_json(const SlamRun& run) {
       {"unobservable", {{"count", s.unobservable}, {"scans", unobservable}}},
       {"fallbacks", {{"wide_search", s.wide}, {"prediction", s.predictions}}},
       {"optimizations", s.optimizations},
+      {"repaired", s.repaired},
       {"pairs", s.pairs},
       {"pair_residual_m", s.pair_residual},
       {"seconds",

@@ -10,10 +10,30 @@ namespace {
 constexpr double pass_cell_size = LocalMap::cell_size / 2;
 constexpr double units_per_cell = 1024;
 
-CellIndex cell_of(Point2 in_map, double cell_size) {
-  return {static_cast<std::int32_t>(std::floor(in_map.x / cell_size)),
-          static_cast<std::int32_t>(std::floor(in_map.y / cell_size))};
+/// ⌊v⌋ for |v| < 2³¹, without a library call on processors that have no instruction for it.
+std::int32_t floor_to_int(double v) {
+  const auto truncated = static_cast<std::int32_t>(v);
+  return truncated - (v < truncated ? 1 : 0);
 }
+
+CellIndex cell_of(Point2 in_map, double cell_size) {
+  return {floor_to_int(in_map.x / cell_size), floor_to_int(in_map.y / cell_size)};
+}
+
+/// A pose whose sine and cosine are worked out once for many points.
+class Mover {
+ public:
+  explicit Mover(const Pose2& a_from_b)
+      : x_(a_from_b.x), y_(a_from_b.y), cos_(std::cos(a_from_b.theta)), sin_(std::sin(a_from_b.theta)) {}
+  [[nodiscard]] Point2 point(double x, double y) const { return {x_ + cos_ * x - sin_ * y, y_ + sin_ * x + cos_ * y}; }
+  [[nodiscard]] Point2 direction(double x, double y) const { return {cos_ * x - sin_ * y, sin_ * x + cos_ * y}; }
+
+ private:
+  double x_;
+  double y_;
+  double cos_;
+  double sin_;
+};
 
 /// Rings of the kernel by squared distance in cells, 4 bits each; the largest holds 8 cells.
 constexpr std::array<int, 9> ring_of_squared{0, 1, 2, -1, 3, 4, -1, -1, 5};
@@ -101,11 +121,11 @@ void LocalMap::count_passes(Point2 from, Point2 to) {
 
 template <LocalMap::Change change>
 void LocalMap::count(const SurfacePoints& points, const Pose2& map_from_robot) {
-  const Pose2 turn{0, 0, map_from_robot.theta};
+  const Mover to_map(map_from_robot);
   const Point2 from = map_from_robot * points.origin;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Point2 to = map_from_robot * Point2{points.x[i], points.y[i]};
-    count_surface<change>(to, turn * Point2{points.normal_x[i], points.normal_y[i]});
+    const Point2 to = to_map.point(points.x[i], points.y[i]);
+    count_surface<change>(to, to_map.direction(points.normal_x[i], points.normal_y[i]));
     count_passes<change>(from, to);
   }
 }
@@ -170,10 +190,11 @@ std::optional<LinePiece> LocalMap::line_around(CellIndex centre) const {
 
 int LocalMap::crossing_beams(const SurfacePoints& points, const Pose2& map_from_robot) const {
   constexpr double margin = 0.3;  // m before a beam's end
+  const Mover to_map(map_from_robot);
   const Point2 from = map_from_robot * points.origin;
   int crossing = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Point2 ray = map_from_robot * Point2{points.x[i], points.y[i]} - from;
+    const Point2 ray = to_map.point(points.x[i], points.y[i]) - from;
     const double length = norm(ray);
     const auto steps = static_cast<int>((length - margin) / pass_cell_size);
     const double step_x = ray.x / length;
@@ -183,7 +204,7 @@ int LocalMap::crossing_beams(const SurfacePoints& points, const Pose2& map_from_
     for (int step = 0; step < steps; ++step) {
       x += step_x;
       y += step_y;
-      if (passes_[{static_cast<std::int32_t>(std::floor(x)), static_cast<std::int32_t>(std::floor(y))}].solid()) {
+      if (passes_[{floor_to_int(x), floor_to_int(y)}].solid()) {
         ++crossing;
         break;
       }
@@ -194,11 +215,12 @@ int LocalMap::crossing_beams(const SurfacePoints& points, const Pose2& map_from_
 
 Agreed LocalMap::agreement(std::span<const SurfacePoints> scans, const Pose2& map_from_robot) const {
   constexpr double sigma = 0.1;  // m
+  const Mover to_map(map_from_robot);
   Agreed sum;
   std::size_t count = 0;
   for (const SurfacePoints& points : scans) {
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const Point2 at = map_from_robot * Point2{points.x[i], points.y[i]};
+      const Point2 at = to_map.point(points.x[i], points.y[i]);
       double likelihood = 0;
       if (const LinePiece* line = line_at(at)) {
         const Point2 d{at.x - line->x, at.y - line->y};

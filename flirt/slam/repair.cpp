@@ -1,6 +1,5 @@
 #include "flirt/slam/repair.hpp"
 
-#include "flirt/core/assert.hpp"
 #include "flirt/registration/local_map.hpp"
 #include "flirt/registration/surface_alignment.hpp"
 #include "flirt/registration/window_search.hpp"
@@ -22,7 +21,7 @@ struct Better {
 /// Other scans near a node, nearest first.
 std::vector<std::uint32_t> around(std::span<const Pose2> map_from_node, std::uint32_t node) {
   constexpr double reach = 4;  // m
-  constexpr std::size_t most = 30;
+  constexpr std::size_t most = 20;
   std::vector<std::pair<double, std::uint32_t>> near;
   for (std::uint32_t other = 0; other < map_from_node.size(); ++other) {
     const double apart = distance(map_from_node[node], map_from_node[other]);
@@ -34,6 +33,33 @@ std::vector<std::uint32_t> around(std::span<const Pose2> map_from_node, std::uin
   for (const auto& [apart, other] : near) { nodes.push_back(other); }
   return nodes;
 }
+
+/// A local map of some scans, changed to that of others by those that differ.
+class RollingMap {
+ public:
+  const LocalMap& of(std::span<const std::uint32_t> nodes, std::span<const SlamScan> scans,
+                     std::span<const Pose2> map_from_node) {
+    std::erase_if(placed_, [&](const Placed& placed) {
+      const bool stays = placed.pose == map_from_node[placed.node] && std::ranges::count(nodes, placed.node) != 0;
+      if (!stays) { map_.remove(scans[placed.node].points, placed.pose); }
+      return !stays;
+    });
+    for (const std::uint32_t node : nodes) {
+      if (std::ranges::count(placed_, node, &Placed::node) != 0) { continue; }
+      map_.add(scans[node].points, map_from_node[node]);
+      placed_.push_back({node, map_from_node[node]});
+    }
+    return map_;
+  }
+
+ private:
+  struct Placed {
+    std::uint32_t node;
+    Pose2 pose;
+  };
+  LocalMap map_{};
+  std::vector<Placed> placed_{};
+};
 
 std::optional<Better> better_pose(const LocalMap& map, const SurfacePoints& points, const Pose2& now,
                                   const SlamParams& params) {
@@ -59,25 +85,23 @@ void replace_edges(PoseGraph& graph, std::uint32_t node, std::span<const std::ui
       edge_information(better.information, params.range_sigma, Eigen::Matrix3d::Identity()) /
       static_cast<double>(nearest.size());
   for (const std::uint32_t other : nearest) {
-    graph.edges.push_back({other, node, inverse(graph.map_from_node[other]) * better.map_from_robot, information,
-                           EdgeKind::motion});
+    graph.edges.push_back(
+        {other, node, inverse(graph.map_from_node[other]) * better.map_from_robot, information, EdgeKind::motion});
   }
 }
 
 }  // namespace
 
-std::size_t repair(PoseGraph& graph, std::span<const SlamScan> scans, std::span<const double> fit,
+std::size_t repair(PoseGraph& graph, std::span<const SlamScan> scans, std::span<const std::uint32_t> suspects,
                    const SlamParams& params) {
   constexpr std::size_t edges = 3;
-  FLIRT_ASSERT(fit.size() == scans.size());
   std::size_t moved = 0;
-  // The first scan stays: it is the frame of the map.
-  for (std::uint32_t node = 1; node < fit.size(); ++node) {
-    if (fit[node] >= params.repair_fit) { continue; }
+  RollingMap rolling;
+  for (const std::uint32_t node : suspects) {
+    if (node == 0) { continue; }  // the frame of the map
     const std::vector<std::uint32_t> near = around(graph.map_from_node, node);
     if (near.size() < edges) { continue; }
-    LocalMap map;
-    for (const std::uint32_t other : near) { map.add(scans[other].points, graph.map_from_node[other]); }
+    const LocalMap& map = rolling.of(near, scans, graph.map_from_node);
     const auto better = better_pose(map, scans[node].points, graph.map_from_node[node], params);
     if (!better) { continue; }
     replace_edges(graph, node, std::span(near).first(edges), *better, params);

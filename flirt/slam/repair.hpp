@@ -6,14 +6,14 @@
 #include "flirt/slam/slam_scan.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 namespace flirt {
 
-/// Each scan whose `fit` (see PolishSummary) is poor is searched for in the map of the scans around it, itself left
-/// out. Where that gains clearly, the scan moves there, and edges to its neighbours replace all edges it had. The number
-/// of scans moved. O(scans + poorly fitting scans · scans around each).
-std::size_t repair(PoseGraph& graph, std::span<const SlamScan> scans, std::span<const double> fit,
+/// Each suspect is searched for in the map of the scans around it, itself left out. Where that gains clearly, the scan
+/// moves there, and edges to its neighbours replace all edges it had. The number of scans moved. O(suspects · scans).
+std::size_t repair(PoseGraph& graph, std::span<const SlamScan> scans, std::span<const std::uint32_t> suspects,
                    const SlamParams& params);
 
 }  // namespace flirt

@@ -48,8 +48,8 @@ Hold hold_of(const SurfacePoints& points) {
   return {solver.eigenvalues().x() / surfaces, {direction.x(), direction.y()}};
 }
 
-/// A point with no surface fitted to it that lies in line with its neighbours: a wall at a grazing angle, where it is hit
-/// depends on where the robot stands.
+/// A point with no surface fitted to it that lies in line with its neighbours: a wall at a grazing angle, where it is
+/// hit depends on where the robot stands.
 bool grazes(const SurfacePoints& points, std::size_t i) {
   constexpr double cos_in_line = 0.985;  // 10°
   if (points.normal_x[i] != 0 || points.normal_y[i] != 0) { return false; }

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <span>
 #include <utility>
 #include <variant>
 
@@ -74,6 +75,20 @@ struct Slam::State {
     return static_cast<std::uint32_t>(closures.size());
   }
 
+  /// Scans that may be in a wrong place: they fit their partners badly, or their motion was not sure when it was found,
+  /// or that of the scan after them, which would tell.
+  [[nodiscard]] std::vector<std::uint32_t> suspects(std::span<const double> fit) const {
+    const auto unsure = [&](std::size_t i) {
+      return i < steps.size() && steps[i].source != MotionSource::first &&
+             (steps[i].source != MotionSource::narrow || steps[i].score < params.suspect_score);
+    };
+    std::vector<std::uint32_t> nodes;
+    for (std::uint32_t i = 0; i < fit.size(); ++i) {
+      if (fit[i] < params.repair_fit || unsure(i) || unsure(i + 1)) { nodes.push_back(i); }
+    }
+    return nodes;
+  }
+
   void optimize_poses(std::size_t iterations) {
     const auto begin = Clock::now();
     static_cast<void>(flirt::optimize(graph, {.iterations = static_cast<std::uint32_t>(iterations)}));
@@ -122,7 +137,7 @@ void Slam::finish() {
   s.optimize_poses(10);
   const auto begin = Clock::now();
   PolishSummary polished = polish(s.graph, s.scans, s.params);
-  s.summary.repaired = s.params.polish_rounds == 0 ? 0 : repair(s.graph, s.scans, polished.fit, s.params);
+  s.summary.repaired = s.params.polish_rounds == 0 ? 0 : repair(s.graph, s.scans, s.suspects(polished.fit), s.params);
   if (s.summary.repaired > 0) { polished = polish(s.graph, s.scans, s.params); }
   s.summary.pairs = polished.pairs;
   s.summary.pair_residual = polished.residual;

@@ -73,9 +73,10 @@ struct SlamParams {
   std::uint32_t loop_points{100};     ///< least number of points of a query
   std::uint32_t polish_rounds{3};     ///< rounds of joint alignment of all scans at the end
   double polish_keep{0.1};            ///< weight of what was measured before, beside the pairs
-  double repair_fit{0.6};   ///< share of a scan's points that its best partners see: with less it is looked for anew
-  double repair_gain{1.0};  ///< score that a scan must gain to be moved
-  std::uint32_t polish_pairs{10};     ///< other scans that each scan is aligned with
+  double repair_fit{0.6};     ///< share of a scan's points that its best partners see: with less it is looked for anew
+  double suspect_score{8.0};  ///< scans whose motion was found with less are looked for anew
+  double repair_gain{1.0};    ///< score that a scan must gain to be moved
+  std::uint32_t polish_pairs{10};  ///< other scans that each scan is aligned with
 };
 
 template <class Params, class Visitor>
@@ -124,6 +125,7 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.polish_rounds, Field{"polish_rounds", "", "rounds of joint alignment at the end", 0, 100});
   visit(params.polish_keep, Field{"polish_keep", "1", "weight of what was measured before, beside the pairs", 0, 1});
   visit(params.repair_fit, Field{"repair_fit", "1", "scans whose partners see less of them are looked for", 0, 1});
+  visit(params.suspect_score, Field{"suspect_score", "", "scans found with less are looked for anew", -50, 50});
   visit(params.repair_gain, Field{"repair_gain", "", "score that a scan must gain to be moved", 0, 50});
   visit(params.polish_pairs, Field{"polish_pairs", "", "scans that each scan is aligned with", 1, 1000});
 }
