@@ -47,7 +47,7 @@ std::uint8_t value_of(std::uint32_t rings) {
 
 }  // namespace
 
-LocalMap::LocalMap() : values_(static_cast<std::size_t>(value_period * (value_period + row_length)), 0) {}
+LocalMap::LocalMap() : values_(std::size_t{value_period} * (value_period + row_length), 0) {}
 
 void LocalMap::set_value(CellIndex index, std::uint32_t rings) {
   const std::size_t at = value_offset(index);

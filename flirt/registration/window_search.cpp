@@ -81,7 +81,7 @@ class TileMaxima {
  public:
   explicit TileMaxima(std::int32_t reach) : reach_(reach), side_((2 * reach + tile_side) / tile_side) { clear(); }
 
-  void clear() { best_.assign(static_cast<std::size_t>(side_ * side_), Place{}); }
+  void clear() { best_.assign(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_), Place{}); }
   void add_row(const RowSums& sums, std::int32_t first_x, std::int32_t y, std::int32_t heading) {
     const std::int32_t last_x = std::min(first_x + LocalMap::row_length - 1, reach_);
     Place* row = best_.data() + static_cast<std::ptrdiff_t>((y + reach_) / tile_side) * side_;

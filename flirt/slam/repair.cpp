@@ -30,6 +30,7 @@ std::vector<std::uint32_t> around(std::span<const Pose2> map_from_node, std::uin
   std::ranges::sort(near);
   near.resize(std::min(most, near.size()));
   std::vector<std::uint32_t> nodes;
+  nodes.reserve(near.size());
   for (const auto& [apart, other] : near) { nodes.push_back(other); }
   return nodes;
 }
