@@ -61,7 +61,7 @@ template <LocalMap::Change change>
 void LocalMap::stamp(CellIndex centre) {
   for (std::int32_t dy = -kernel_radius; dy <= kernel_radius; ++dy) {
     for (std::int32_t dx = -kernel_radius; dx <= kernel_radius; ++dx) {
-      const int ring = ring_of_squared[static_cast<std::size_t>(dx * dx + dy * dy)];
+      const int ring = ring_of_squared[static_cast<std::uint32_t>(dx * dx + dy * dy)];
       const std::uint32_t one = 1U << static_cast<std::uint32_t>(4 * ring);
       const CellIndex index{centre.x + dx, centre.y + dy};
       if constexpr (change == Change::add) { surface_.hold(index); }
