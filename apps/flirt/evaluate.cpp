@@ -100,6 +100,7 @@ nlohmann::ordered_json against_relations(const Options& options, const Session& 
 ScanLog posed_scans(const Options& options, const Session& session, const std::vector<StampedPose>& estimate) {
   LoadedLog loaded = value_or_quit(read_log(options.scans, {}, progress_bar(session, "reading")));
   std::vector<StampedPose> scans;
+  scans.reserve(loaded.log.scans.size());
   for (std::size_t i = 0; i < loaded.log.scans.size(); ++i) {
     scans.push_back({loaded.log.scans[i].stamp, {static_cast<double>(i), 0, 0}});  // x carries the index
   }

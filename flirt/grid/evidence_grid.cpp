@@ -168,8 +168,9 @@ void EvidenceGrid::remove(const Scan& scan, const Pose2& map_from_sensor) {
 
 void EvidenceGrid::count(CellIndex index, EvidenceCell evidence) {
   Tile& tile = tiles_[tile_at(tile_index(index))];
-  EvidenceCell& cell =
-      tile.cells[static_cast<std::size_t>((index.y & (tile_side - 1)) * tile_side + (index.x & (tile_side - 1)))];
+  const auto row = static_cast<std::size_t>(index.y & (tile_side - 1));
+  const auto column = static_cast<std::size_t>(index.x & (tile_side - 1));
+  EvidenceCell& cell = tile.cells[row * std::size_t{tile_side} + column];
   const auto raise = [&](std::uint16_t& value, std::uint16_t by) {
     const auto room = static_cast<std::uint16_t>(std::numeric_limits<std::uint16_t>::max() - value);
     const std::uint16_t counted = std::min(room, by);

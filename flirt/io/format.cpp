@@ -59,6 +59,7 @@ std::optional<FileFormat> format_by_name(const std::filesystem::path& path) {
 
 std::vector<StampedPose> trajectory_of(const ScanLog& log) {
   std::vector<StampedPose> trajectory;
+  trajectory.reserve(log.map_from_robot.size());
   for (std::size_t i = 0; i < log.map_from_robot.size(); ++i) {
     trajectory.push_back({log.scans[i].stamp, log.map_from_robot[i]});
   }

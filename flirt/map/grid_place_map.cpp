@@ -45,8 +45,8 @@ std::optional<Cells> empty_cells(const GreyImage& image, const GridMapMetadata& 
       high = {std::max(high.x, corner.x), std::max(high.y, corner.y)};
     }
   }
-  const bool sane = high.x - low.x <= longest && high.y - low.y <= longest && std::abs(low.x) <= 1e6 &&
-                    std::abs(low.y) <= 1e6;
+  const bool sane =
+      high.x - low.x <= longest && high.y - low.y <= longest && std::abs(low.x) <= 1e6 && std::abs(low.y) <= 1e6;
   if (!sane) { return std::nullopt; }
   Cells cells{.first = {static_cast<std::int32_t>(std::floor(low.x / cell_size)) - 1,
                         static_cast<std::int32_t>(std::floor(low.y / cell_size)) - 1}};
