@@ -130,9 +130,10 @@ std::vector<std::uint32_t> bootstrap_blocks(const ScanLog& log, std::span<const 
 /// Interval of the share of `hit` among `counted`, one entry per query.
 template <class Counted, class Hit>
 Interval bootstrap(std::span<const std::uint32_t> blocks, const Counted& counted, const Hit& hit, std::uint64_t seed) {
-  const auto counted_flags = std::make_unique<bool[]>(blocks.size());
-  const auto hit_flags = std::make_unique<bool[]>(blocks.size());
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
+  const auto count = static_cast<std::uint32_t>(blocks.size());  // a size that GCC 12 knows to be sane
+  const auto counted_flags = std::make_unique<bool[]>(count);
+  const auto hit_flags = std::make_unique<bool[]>(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
     counted_flags[i] = counted(i);
     hit_flags[i] = hit(i);
   }
