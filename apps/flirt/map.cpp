@@ -1,4 +1,4 @@
-// apps/flirt/map.cpp: `flirt map`, a place map from a log with poses or from a grid map.
+// apps/flirt/map.cpp: `flirt map`, a place map from a log with poses or from a ROS grid map.
 #include "flirt/io/feature_params_json.hpp"
 #include "flirt/io/flirt_map.hpp"
 #include "flirt/io/log.hpp"
@@ -28,6 +28,8 @@ struct Options {
   FeatureFlags features;
   GridPlaceMapParams grid;
   ParamFlags params;
+
+  [[nodiscard]] MapVariances kept_variances() const { return variances ? MapVariances::keep : MapVariances::leave_out; }
 };
 
 /// Every K-th scan of a log.
@@ -41,9 +43,16 @@ ScanLog thinned(ScanLog log, std::size_t every) {
   return kept;
 }
 
-bool is_grid_map(const std::string& path) {
-  const std::string extension = std::filesystem::path(path).extension().string();
-  return extension == ".yaml" || extension == ".yml";
+bool is_grid_map(const Options& options) {
+  const std::string extension = std::filesystem::path(options.log).extension().string();
+  if (extension == ".pgm" || extension == ".png") {
+    throw UsageError(options.log + ": expected the YAML file of a grid map, found an image");
+  }
+  const bool is_yaml = extension == ".yaml" || extension == ".yml";
+  if (is_yaml && options.every != 1) {
+    throw UsageError("--every: expected only with a log, found a grid map (see --grid-spacing)");
+  }
+  return is_yaml;
 }
 
 double keypoints_per_scan(const PlaceMap& map) {
@@ -64,47 +73,47 @@ nlohmann::ordered_json map_json(const Options& options, const PlaceMap& map, std
   return json;
 }
 
-PlaceMap map_of_grid(const Options& options) {
-  const GridMapImage grid = value_or_quit(read_grid_map(options.log));
-  Result<PlaceMap> map = place_map_from_grid(grid.image, grid.metadata, options.grid, options.features.features());
-  if (!map) { throw BadInput(options.log + ": " + map.error().message); }
-  return *std::move(map);
-}
-
-PlaceMap map_of_log(const Options& options, LoadedLog loaded, const Session& session) {
-  if (loaded.log.map_from_robot.empty()) {
-    throw BadInput(options.log + ": expected a log with poses, found none (flirt slam finds them)");
-  }
-  Result<PlaceMap> map = build_place_map(thinned(std::move(loaded.log), options.every), options.features.features(),
-                                         session.threads, progress_bar(session, "features"),
-                                         options.variances ? MapVariances::keep : MapVariances::leave_out);
-  if (!map) { throw BadInput(options.log + ": " + map.error().message); }
-  return *std::move(map);
-}
-
+/// Writes the map and says what is in it.
 void finish(const Options& options, const Session& session, const PlaceMap& map, std::string_view poses) {
   value_or_quit(write_place_map(options.out, map));
   write_json(session, map_json(options, map, poses));
   if (!session.talks()) { return; }
   fmt::print("{}: {} scans with {:.1f} keypoints each, {:.1f} MB\n", options.out, map.size(), keypoints_per_scan(map),
              static_cast<double>(map.bytes()) / 1e6);
-  if (poses == to_string(PoseSource::odometry)) {
+}
+
+void map_grid(const Options& options, const Session& session) {
+  const GridMapImage grid = value_or_quit(read_grid_map(options.log));
+  const Result<PlaceMap> map =
+      place_map_from_grid(grid.image, grid.metadata, options.grid, options.features.features(), session.threads,
+                          progress_bar(session, "features"), options.kept_variances());
+  if (!map) { throw BadInput(options.log + ": " + map.error().message); }
+  finish(options, session, *map, "virtual");
+}
+
+void map_log(const Options& options, const Session& session) {
+  LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
+  if (loaded.log.map_from_robot.empty()) {
+    throw BadInput(options.log + ": expected a log with poses, found none (flirt slam finds them)");
+  }
+  const Result<PlaceMap> map =
+      build_place_map(thinned(std::move(loaded.log), options.every), options.features.features(), session.threads,
+                      progress_bar(session, "features"), options.kept_variances());
+  if (!map) { throw BadInput(options.log + ": " + map.error().message); }
+  finish(options, session, *map, to_string(loaded.report.poses));
+  if (session.talks() && loaded.report.poses == PoseSource::odometry) {
     fmt::print("the poses of this log are raw odometry: the map is as wrong as they are\n");
   }
 }
 
 int run(Options& options, const Session& session) {
+  const bool is_grid = is_grid_map(options);
   options.params.resolve(session.config);
-  if (is_grid_map(options.log)) {
-    if (options.every != 1 || options.variances) {
-      throw UsageError("--every and --variances: expected a log with them, found a grid map");
-    }
-    finish(options, session, map_of_grid(options), "grid_map");
-    return exit_done;
+  if (is_grid) {
+    map_grid(options, session);
+  } else {
+    map_log(options, session);
   }
-  LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
-  const std::string_view poses = to_string(loaded.report.poses);
-  finish(options, session, map_of_log(options, std::move(loaded), session), poses);
   return exit_done;
 }
 
@@ -113,9 +122,9 @@ int run(Options& options, const Session& session) {
 void add_map(CLI::App& program, Session& session) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      add_command(program, session, "map", "Make a place map from a log with poses, or from a ROS grid map (MAP.yaml).",
-                  "flirt map fr079.log.gz -o fr079.flirt");
-  command->add_option("LOG", options->log, "log with corrected poses, or the YAML file of a ROS grid map")->required();
+      add_command(program, session, "map", "Make a place map from a log with poses, or from a ROS grid map.",
+                  "flirt map fr079.log.gz -o fr079.flirt (or: flirt map office.yaml -o office.flirt)");
+  command->add_option("LOG", options->log, "log with corrected poses, or the .yaml file of a ROS grid map")->required();
   command->add_option("-o,--output", options->out, "map file to write")->required();
   command->add_option("--every", options->every, "keep every K-th scan (default 1)")->check(CLI::Range(1, 1000000));
   command->add_flag("--variances", options->variances,

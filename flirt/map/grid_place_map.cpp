@@ -1,132 +1,99 @@
 #include "flirt/map/grid_place_map.hpp"
 
+#include "flirt/core/assert.hpp"
 #include "flirt/grid/beam_traversal.hpp"
+#include "flirt/grid/nearest_cells.hpp"
+#include "flirt/map/grid_cells.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
 namespace flirt {
 namespace {
 
-/// The states of all cells of the map's box.
-struct Cells {
-  CellIndex first{};
-  std::int32_t width{0};
-  std::int32_t height{0};
-  std::vector<CellState> states{};
+constexpr double cell_size = EvidenceGridParams{}.cell_size;
 
-  [[nodiscard]] bool contains(std::int32_t x, std::int32_t y) const {
-    return x >= first.x && y >= first.y && x < first.x + width && y < first.y + height;
+/// Not 0: nothing occupied within `clearance` of this free cell.
+std::vector<std::uint8_t> clear_cells(const GridCells& cells, double clearance) {
+  std::vector<std::uint8_t> occupied(cells.states.size());
+  for (std::size_t i = 0; i < occupied.size(); ++i) { occupied[i] = cells.states[i] == CellState::occupied ? 1 : 0; }
+  const int reach = std::clamp(static_cast<int>(std::ceil(clearance / cell_size)), 1, longest_reach);
+  const std::vector<CellOffset> nearest = nearest_cells(occupied, static_cast<std::size_t>(cells.width), reach);
+  std::vector<std::uint8_t> clear(cells.states.size());
+  for (std::size_t i = 0; i < clear.size(); ++i) {
+    const bool is_far = nearest[i].squared_distance == CellOffset::none;
+    clear[i] = is_far && cells.states[i] == CellState::free ? 1 : 0;
   }
-  [[nodiscard]] std::size_t offset(std::int32_t x, std::int32_t y) const {
-    return static_cast<std::size_t>(y - first.y) * static_cast<std::size_t>(width) +
-           static_cast<std::size_t>(x - first.x);
-  }
-  [[nodiscard]] CellState at(std::int32_t x, std::int32_t y) const {
-    return contains(x, y) ? states[offset(x, y)] : CellState::unknown;
-  }
-};
-
-/// The cells around all pixels; nothing when the map is larger than any building.
-std::optional<Cells> empty_cells(const GreyImage& image, const GridMapMetadata& metadata, double cell_size) {
-  constexpr double longest = 1e4;  // m
-  Point2 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  Point2 high{-low.x, -low.y};
-  for (const double x : {0.0, static_cast<double>(image.width)}) {
-    for (const double y : {0.0, static_cast<double>(image.height)}) {
-      const Point2 corner = metadata.origin * Point2{x * metadata.resolution, y * metadata.resolution};
-      low = {std::min(low.x, corner.x), std::min(low.y, corner.y)};
-      high = {std::max(high.x, corner.x), std::max(high.y, corner.y)};
-    }
-  }
-  const bool sane =
-      high.x - low.x <= longest && high.y - low.y <= longest && std::abs(low.x) <= 1e6 && std::abs(low.y) <= 1e6;
-  if (!sane) { return std::nullopt; }
-  Cells cells{.first = {static_cast<std::int32_t>(std::floor(low.x / cell_size)) - 1,
-                        static_cast<std::int32_t>(std::floor(low.y / cell_size)) - 1}};
-  cells.width = static_cast<std::int32_t>(std::floor(high.x / cell_size)) + 2 - cells.first.x;
-  cells.height = static_cast<std::int32_t>(std::floor(high.y / cell_size)) + 2 - cells.first.y;
-  cells.states.assign(static_cast<std::size_t>(cells.width) * static_cast<std::size_t>(cells.height),
-                      CellState::unknown);
-  return cells;
+  return clear;
 }
 
-/// Sets what a pixel says in each cell that it touches; occupied wins over free, free over unknown.
-void draw_pixel(Cells& cells, Point2 centre, double resolution, double cell_size, CellState state) {
-  // A pixel's corners on a boundary must not reach into the next cell.
-  const double half = 0.5 * resolution - 1e-3 * cell_size;
-  const auto cell = [cell_size](double value) { return static_cast<std::int32_t>(std::floor(value / cell_size)); };
-  for (std::int32_t y = cell(centre.y - half); y <= cell(centre.y + half); ++y) {
-    for (std::int32_t x = cell(centre.x - half); x <= cell(centre.x + half); ++x) {
-      if (!cells.contains(x, y)) { continue; }
-      CellState& known = cells.states[cells.offset(x, y)];
-      if (known != CellState::occupied) { known = state; }
+/// The clear cell nearest to the middle of the square of `side` cells at `low`; of equal ones the first.
+std::optional<CellIndex> place_in(const GridCells& cells, const std::vector<std::uint8_t>& clear, CellIndex low,
+                                  std::int32_t side) {
+  std::optional<CellIndex> place;
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+  for (std::int32_t y = low.y; y < std::min(low.y + side, cells.first.y + cells.height); ++y) {
+    for (std::int32_t x = low.x; x < std::min(low.x + side, cells.first.x + cells.width); ++x) {
+      const std::int64_t dx = x - (low.x + side / 2);
+      const std::int64_t dy = y - (low.y + side / 2);
+      if (clear[cells.offset({x, y})] == 0 || dx * dx + dy * dy >= least) { continue; }
+      least = dx * dx + dy * dy;
+      place = CellIndex{x, y};
     }
   }
+  return place;
 }
 
-void draw(Cells& cells, const GreyImage& image, const GridMapMetadata& metadata, double cell_size) {
-  for (std::size_t row = 0; row < image.height; ++row) {
-    for (std::size_t column = 0; column < image.width; ++column) {
-      const CellState state = cell_state(image.at(column, row), metadata);
-      if (state == CellState::unknown) { continue; }
-      draw_pixel(cells, map_point(column, row, image, metadata), metadata.resolution, cell_size, state);
+std::vector<Point2> places_in_cells(const GridCells& cells, const GridPlaceMapParams& params) {
+  const std::vector<std::uint8_t> clear = clear_cells(cells, params.clearance);
+  const auto side = std::max(1, static_cast<std::int32_t>(std::lround(params.spacing / cell_size)));
+  std::vector<Point2> places;
+  for (std::int32_t y = cells.first.y; y < cells.first.y + cells.height; y += side) {
+    for (std::int32_t x = cells.first.x; x < cells.first.x + cells.width; x += side) {
+      const std::optional<CellIndex> place = place_in(cells, clear, {x, y}, side);
+      if (place) { places.push_back({place->x + 0.5, place->y + 0.5}); }
     }
   }
+  return places;
 }
 
-EvidenceGrid evidence_of(const Cells& cells, const GridPlaceMapParams& params) {
-  EvidenceGrid evidence;
-  const auto counts = static_cast<std::uint16_t>(params.counts);
-  for (std::int32_t y = cells.first.y; y < cells.first.y + cells.height; ++y) {
-    for (std::int32_t x = cells.first.x; x < cells.first.x + cells.width; ++x) {
-      const CellState state = cells.at(x, y);
-      if (state == CellState::occupied) { evidence.count({x, y}, {.hits = counts, .passes = 0}); }
-      if (state == CellState::free) { evidence.count({x, y}, {.hits = 0, .passes = counts}); }
-    }
-  }
-  return evidence;
+/// Where a ray from outside comes into a cell, cells along the ray: the later of the two borders that it faces.
+double entry(Point2 from, Point2 direction, CellIndex cell) {
+  const auto border = [](double start, double slope, std::int32_t low) {
+    if (slope == 0) { return -std::numeric_limits<double>::infinity(); }
+    return ((slope > 0 ? low : low + 1) - start) / slope;
+  };
+  return std::max(border(from.x, direction.x, cell.x), border(from.y, direction.y, cell.y));
 }
 
-bool is_clear(const Cells& cells, CellIndex at, std::int32_t reach) {
-  if (cells.at(at.x, at.y) != CellState::free) { return false; }
-  for (std::int32_t dy = -reach; dy <= reach; ++dy) {
-    for (std::int32_t dx = -reach; dx <= reach; ++dx) {
-      if (dx * dx + dy * dy <= reach * reach && cells.at(at.x + dx, at.y + dy) == CellState::occupied) { return false; }
-    }
-  }
-  return true;
-}
-
-/// Distance to the first occupied cell in a direction, m; `range_max` where there is none or unknown space comes first.
-double cast(const Cells& cells, Point2 from_in_cells, double angle, double cell_size, double range_max) {
-  const double reach = range_max / cell_size;
+/// Distance to the first occupied cell, m; `range_max` where there is none or unknown space comes first.
+double cast(const GridCells& cells, Point2 from_in_cells, double angle, double range_max) {
   const Point2 direction{std::cos(angle), std::sin(angle)};
   double range = range_max;
-  bool stopped = false;
-  traverse(fixed_point(from_in_cells), fixed_point(from_in_cells + reach * direction),
+  bool has_ended = false;
+  traverse(fixed_point(from_in_cells), fixed_point(from_in_cells + (range_max / cell_size) * direction),
            [&](std::int32_t x, std::int32_t y) {
-             if (stopped || cells.at(x, y) == CellState::free) { return; }
-             stopped = true;
-             if (cells.at(x, y) != CellState::occupied) { return; }
-             const Point2 centre{x + 0.5, y + 0.5};
-             range = std::max(0.1, dot(centre - from_in_cells, direction) * cell_size);
+             if (has_ended) { return; }
+             const CellState state = cells.at({x, y});
+             has_ended = state != CellState::free;
+             if (state == CellState::occupied) { range = cell_size * entry(from_in_cells, direction, {x, y}); }
            });
   return range;
 }
 
-Scan virtual_scan(const Cells& cells, Point2 from_in_cells, double cell_size, const GridPlaceMapParams& params) {
-  const double step = 2 * std::numbers::pi / params.beams;
-  Scan scan{.beams = {-std::numbers::pi, step, 0.05, params.range_max}};
+Scan virtual_scan(const GridCells& cells, Point2 from_in_cells, const GridPlaceMapParams& params) {
+  Scan scan{.beams = {.angle_min = -std::numbers::pi,
+                      .angle_step = 2 * std::numbers::pi / params.beams,
+                      .range_min = 0,
+                      .range_max = params.range_max}};
   scan.ranges.reserve(params.beams);
   for (std::size_t i = 0; i < params.beams; ++i) {
-    scan.ranges.push_back(cast(cells, from_in_cells, scan.beams.angle(i), cell_size, params.range_max));
+    scan.ranges.push_back(cast(cells, from_in_cells, scan.beams.angle(i), params.range_max));
   }
   return scan;
 }
@@ -134,27 +101,32 @@ Scan virtual_scan(const Cells& cells, Point2 from_in_cells, double cell_size, co
 }  // namespace
 
 Result<PlaceMap> place_map_from_grid(const GreyImage& image, const GridMapMetadata& metadata,
-                                     const GridPlaceMapParams& params, const FeatureParams& features) {
-  const double cell_size = EvidenceGridParams{}.cell_size;
-  std::optional<Cells> cells = empty_cells(image, metadata, cell_size);
-  if (!cells) { return fail("expected a grid map of at most 10 km within 1000 km of its origin, found a larger one"); }
-  draw(*cells, image, metadata, cell_size);
+                                     const GridPlaceMapParams& params, const FeatureParams& features,
+                                     std::size_t threads, const Progress& progress, MapVariances variances) {
+  FLIRT_ASSERT(out_of_range(params).empty());
+  const Result<GridCells> cells = grid_cells(image, metadata, cell_size);
+  if (!cells) { return tl::unexpected(cells.error()); }
   if (std::ranges::find(cells->states, CellState::free) == cells->states.end()) {
-    return fail("expected a grid map with free cells, found none");
+    return fail("expected a grid map with free space, found none");
   }
-  PlaceMapBuilder builder(features);
-  FeatureExtractor extractor(features);
-  const auto stride = std::max(1, static_cast<std::int32_t>(std::lround(params.spacing / cell_size)));
-  const auto reach = static_cast<std::int32_t>(std::ceil(params.clearance / cell_size));
-  for (std::int32_t y = cells->first.y + stride / 2; y < cells->first.y + cells->height; y += stride) {
-    for (std::int32_t x = cells->first.x + stride / 2; x < cells->first.x + cells->width; x += stride) {
-      if (!is_clear(*cells, {x, y}, reach)) { continue; }
-      const Point2 in_cells{x + 0.5, y + 0.5};
-      const Scan scan = virtual_scan(*cells, in_cells, cell_size, params);
-      builder.add(scan, {in_cells.x * cell_size, in_cells.y * cell_size, 0}, extractor.extract(scan));
-    }
+  const std::vector<Point2> places = places_in_cells(*cells, params);
+  std::vector<FeatureExtractor> extractors;
+  extractors.reserve(thread_count(threads));
+  for (std::size_t i = 0; i < thread_count(threads); ++i) { extractors.emplace_back(features); }
+  std::vector<Scan> scans(places.size());
+  std::vector<Features> features_of(places.size());
+  parallel_for(
+      places.size(), extractors.size(),
+      [&](std::size_t i, std::size_t thread) {
+        scans[i] = virtual_scan(*cells, places[i], params);
+        features_of[i] = extractors[thread].extract(scans[i]);
+      },
+      progress);
+  PlaceMapBuilder builder(features, variances);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    builder.add(scans[i], {cell_size * places[i].x, cell_size * places[i].y, 0}, features_of[i]);
   }
-  return std::move(builder).build(evidence_of(*cells, params));
+  return std::move(builder).build(evidence_of(*cells, params.counts, cell_size));
 }
 
 }  // namespace flirt

@@ -1,0 +1,186 @@
+// Grid maps of real buildings: a robot finds itself in what its map server has.
+#include "flirt/eval/revisit.hpp"
+#include "flirt/io/log.hpp"
+#include "flirt/io/occupancy_map.hpp"
+#include "flirt/io/ros_map.hpp"
+#include "flirt/map/grid_place_map.hpp"
+#include "flirt/map/localize.hpp"
+#include "flirt/sim/free_space.hpp"
+#include "flirt/sim/lidar.hpp"
+
+#include "tests/support/data.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <filesystem>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace flirt {
+namespace {
+
+bool is_right(const LocalizationResult& result, const Pose2& truth) {
+  return result.best() != nullptr && distance(result.best()->map_from_sensor, truth) <= 0.5 &&
+         heading_difference(result.best()->map_from_sensor, truth) <= radians_from_degrees(10);
+}
+
+/// Right answers, what was called unique, and what of that was right.
+struct Tally {
+  std::size_t asked{0};
+  std::size_t right{0};
+  std::size_t unique{0};
+  std::size_t unique_right{0};
+
+  void add(const LocalizationResult& result, const Pose2& truth) {
+    ++asked;
+    const bool right_now = is_right(result, truth);
+    right += right_now ? 1 : 0;
+    unique += result.verdict == Verdict::unique ? 1 : 0;
+    unique_right += result.verdict == Verdict::unique && right_now ? 1 : 0;
+  }
+  void add(const Tally& other) {
+    asked += other.asked;
+    right += other.right;
+    unique += other.unique;
+    unique_right += other.unique_right;
+  }
+  [[nodiscard]] double success() const { return static_cast<double>(right) / static_cast<double>(asked); }
+  void print(const std::string& what) const {
+    std::printf("%-34s %3zu of %3zu right (%.3f); unique %3zu, of these right %3zu\n", what.c_str(), right, asked,
+                success(), unique, unique_right);
+  }
+};
+
+double median(std::vector<double> values) {
+  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
+  return values[values.size() / 2];
+}
+
+/// The motion between the frames of two corrections of the same scans, from answers: medians, so that a wrong answer
+/// does not count.
+Pose2 grid_from_log(const std::vector<LocalizationResult>& answers, const std::vector<Pose2>& truths) {
+  std::vector<double> x;
+  std::vector<double> y;
+  std::vector<double> theta;
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    if (answers[i].verdict == Verdict::unique) {
+      theta.push_back(wrap_angle(answers[i].best()->map_from_sensor.theta - truths[i].theta));
+    }
+  }
+  if (theta.empty()) { return {}; }
+  const double turn = median(theta);
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    if (answers[i].verdict != Verdict::unique) { continue; }
+    const Point2 moved = Pose2{0, 0, turn} * truths[i].translation();
+    x.push_back(answers[i].best()->map_from_sensor.x - moved.x);
+    y.push_back(answers[i].best()->map_from_sensor.y - moved.y);
+  }
+  return {median(x), median(y), turn};
+}
+
+TEST(PlaceMapFromGridOfARealBuilding, FindsTheScansOfAnotherCorrectionOfTheDrive) {
+  const auto mapped = data_file("fr079/freiburg-079-corrected.log.gz");
+  const auto asked = data_file("fr079/flirtlib-fr079.log.gz");
+  if (!mapped || !asked) { GTEST_SKIP() << "the logs of fr079 are not there"; }
+  const ScanLog log = read_log(*mapped).value().log;
+  EvidenceGrid evidence;
+  for (std::size_t i = 0; i < log.scans.size(); ++i) { evidence.add(log.scans[i], log.map_from_sensor(i)); }
+  const GridMapImage grid = occupancy_map(evidence, "map.pgm");
+  const PlaceMap map = place_map_from_grid(grid.image, grid.metadata).value();
+
+  const ScanLog queries = read_log(*asked).value().log;
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < queries.scans.size(); i += 6) { chosen.push_back(i); }
+  const std::vector<bool> can_answer = answerable(queries, chosen, {}, 0);
+  std::vector<LocalizationResult> answers;
+  std::vector<Pose2> truths;
+  Localizer localizer(map);
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (!can_answer[i]) { continue; }
+    answers.push_back(localizer.localize(queries.scans[chosen[i]]));
+    truths.push_back(queries.map_from_sensor(chosen[i]));
+  }
+  const Pose2 between = grid_from_log(answers, truths);
+  Tally tally;
+  for (std::size_t i = 0; i < answers.size(); ++i) { tally.add(answers[i], between * truths[i]); }
+  std::printf("%zu virtual scans; grid_from_log: %.3f m, %.3f m, %.2f deg\n", map.size(), between.x, between.y,
+              degrees_from_radians(between.theta));
+  tally.print("fr079, answerable queries");
+  EXPECT_GE(tally.asked, 100U);
+  EXPECT_GE(tally.success(), 0.97);
+}
+
+/// Shortens a share of the beams, in runs of 8, as people's legs do.
+void hide_behind_people(Scan& scan, double share, Rng& rng) {
+  constexpr std::size_t run = 8;
+  for (std::size_t i = 0; i < scan.ranges.size(); i += run) {
+    if (rng.uniform() >= share) { continue; }
+    const double range = std::min(4.0, rng.uniform(0.2, 0.9) * scan.ranges[i]);
+    for (std::size_t k = i; k < std::min(i + run, scan.ranges.size()); ++k) {
+      scan.ranges[k] = std::min(scan.ranges[k], range + rng.normal(0, 0.02));
+    }
+  }
+}
+
+/// Scans of a simulated lidar at up to `places` places all over the map.
+Tally found_in(const GridMapImage& grid, Localizer& localizer, double field_of_view, double people,
+               std::size_t places) {
+  const FloorPlan plan = plan_from_image(grid.image, grid.metadata);
+  const RayCaster caster(plan);
+  std::vector<Point2> points = FreeSpace(plan, 0.3).spread(2.0, 1);
+  points.resize(std::min(points.size(), places));
+  const Lidar lidar({.field_of_view = field_of_view});
+  Rng rng(7);
+  Tally tally;
+  for (const Point2& point : points) {
+    const Pose2 truth{point.x, point.y, rng.uniform(-std::numbers::pi, std::numbers::pi)};
+    Scan scan{.beams = lidar.beams(), .ranges = lidar.measure(caster, {}, truth, rng)};
+    hide_behind_people(scan, people, rng);
+    tally.add(localizer.localize(scan), truth);
+  }
+  return tally;
+}
+
+GridMapImage real_grid(const std::filesystem::path& path) {
+  if (path.extension() == ".yaml") { return read_grid_map(path).value(); }
+  return {read_grey_image(path).value(), {.image = path.filename().string()}};
+}
+
+struct GridFile {
+  const char* name;
+  double success;  ///< least share of right answers, over all lidars and crowds
+};
+
+TEST(PlaceMapFromGridOfARealBuilding, SimulatedLidarsAreFoundAmongPeople) {
+  // The hospital repeats its rooms, and robocup its compartments: half a turn of view cannot always tell them apart.
+  for (const GridFile& file :
+       {GridFile{"maps/willow/willow-full-0.05.pgm", 0.97}, GridFile{"maps/stdr/frieburg.yaml", 0.95},
+        GridFile{"maps/stdr/hospital_section.yaml", 0.8}, GridFile{"maps/stdr/robocup.yaml", 0.75}}) {
+    const auto path = data_file(file.name);
+    if (!path) { GTEST_SKIP() << file.name << " is not there"; }
+    const GridMapImage grid = real_grid(*path);
+    const PlaceMap map = place_map_from_grid(grid.image, grid.metadata).value();
+    std::printf("%s: %zu virtual scans, %.1f MB\n", file.name, map.size(), static_cast<double>(map.bytes()) / 1e6);
+    Localizer localizer(map);
+    Tally all;
+    for (const double degrees : {180.0, 270.0, 359.99}) {
+      for (const double people : {0.0, 0.3}) {
+        const Tally tally = found_in(grid, localizer, radians_from_degrees(degrees), people, 12);
+        tally.print("  " + std::to_string(std::lround(degrees)) + " deg, people " +
+                    std::to_string(people).substr(0, 3));
+        all.add(tally);
+      }
+    }
+    EXPECT_GE(all.success(), file.success) << file.name;
+    EXPECT_GE(static_cast<double>(all.unique_right), 0.98 * static_cast<double>(all.unique)) << file.name;
+  }
+}
+
+}  // namespace
+}  // namespace flirt
