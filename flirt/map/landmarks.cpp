@@ -6,7 +6,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
+#include <span>
+#include <tuple>
 #include <unordered_map>
+#include <utility>
 
 namespace flirt {
 namespace {
@@ -60,59 +64,126 @@ struct Votes {
   }
 };
 
+/// Landmarks by the cell of the first keypoint of their landmark.
+using Cells = std::unordered_map<Bin, std::vector<std::uint32_t>, BinHash>;
+
+struct Headings {
+  std::int32_t count;
+  double step;  // rad
+};
+
+Headings headings_of(double widest) {
+  const auto count = static_cast<std::int32_t>(std::ceil(2 * std::numbers::pi / widest));
+  return {count, 2 * std::numbers::pi / count};
+}
+
+/// Calls visit(bin) for the 8 bins around a pose: bins overlap by half, so that a peak on a border is not split.
+template <class Visit>
+void for_each_bin(const Pose2& pose, double side, const Headings& headings, const Visit& visit) {
+  const std::int32_t x = cell_of(pose.x + 0.5 * side, side);
+  const std::int32_t y = cell_of(pose.y + 0.5 * side, side);
+  const std::int32_t h = cell_of(pose.theta + std::numbers::pi + 0.5 * headings.step, headings.step);
+  for (std::int32_t corner = 0; corner < 8; ++corner) {
+    const std::int32_t heading = ((h - (corner >> 2)) % headings.count + headings.count) % headings.count;
+    visit(Bin{x - (corner & 1), y - (corner >> 1 & 1), heading});
+  }
+}
+
+using Ballot = std::unordered_map<Bin, Votes, BinHash>;
+
+/// The bins with most votes; of equal ones in the order of rows, columns and headings.
+std::vector<Bin> most_voted(const Ballot& ballot, std::size_t count) {
+  std::vector<std::pair<float, Bin>> bins;
+  bins.reserve(ballot.size());
+  for (const auto& [bin, votes] : ballot) { bins.emplace_back(votes.total, bin); }
+  const auto key = [](const std::pair<float, Bin>& entry) {
+    return std::tuple(-entry.first, entry.second.y, entry.second.x, entry.second.heading);
+  };
+  const std::size_t kept = std::min(count, bins.size());
+  std::ranges::partial_sort(bins, bins.begin() + static_cast<std::ptrdiff_t>(kept), {}, key);
+  std::vector<Bin> best;
+  best.reserve(kept);
+  for (std::size_t i = 0; i < kept; ++i) { best.push_back(bins[i].second); }
+  return best;
+}
+
+constexpr std::uint32_t no_landmark = std::numeric_limits<std::uint32_t>::max();
+
 }  // namespace
+
+/// Merges keypoints one by one; its place in `cells` stays that of a landmark's first keypoint, as the mean moves less
+/// than a cell.
+class LandmarkMerger {
+ public:
+  explicit LandmarkMerger(Landmarks& landmarks) : into_(landmarks) {}
+
+  void add(const Pose2& map_from_keypoint, const float* row, const float* roots) {
+    const double side = into_.params_.merge_distance;
+    const Bin cell{cell_of(map_from_keypoint.x, side), cell_of(map_from_keypoint.y, side), 0};
+    std::uint32_t landmark = most_alike(map_from_keypoint, cell, roots);
+    if (landmark == no_landmark) {
+      landmark = static_cast<std::uint32_t>(sums_.size());
+      sums_.emplace_back();
+      into_.map_from_landmark_.push_back(map_from_keypoint);
+      into_.rows_.resize(into_.rows_.size() + into_.stride_, 0.0F);
+      into_.roots_.resize(into_.roots_.size() + into_.stride_, 0.0F);
+      cells_[cell].push_back(landmark);
+    }
+    merge(landmark, map_from_keypoint, row);
+  }
+
+ private:
+  [[nodiscard]] std::uint32_t most_alike(const Pose2& pose, const Bin& cell, const float* roots) const {
+    const LandmarkParams& params = into_.params_;
+    std::uint32_t best = no_landmark;
+    double least = params.merge_descriptor;
+    for (std::int32_t k = 0; k < 9; ++k) {
+      const auto found = cells_.find({cell.x + k % 3 - 1, cell.y + k / 3 - 1, 0});
+      if (found == cells_.end()) { continue; }
+      for (const std::uint32_t other : found->second) {
+        const Pose2& there = into_.map_from_landmark_[other];
+        if (distance(pose, there) > params.merge_distance) { continue; }
+        if (heading_difference(pose, there) > params.merge_heading) { continue; }
+        const double apart = hellinger(roots, into_.roots_.data() + std::size_t{other} * into_.stride_, into_.stride_);
+        if (apart < least) {
+          least = apart;
+          best = other;
+        }
+      }
+    }
+    return best;
+  }
+
+  void merge(std::uint32_t landmark, const Pose2& pose, const float* row) {
+    Sums& sum = sums_[landmark];
+    sum = {sum.x + pose.x, sum.y + pose.y, sum.cosine + std::cos(pose.theta), sum.sine + std::sin(pose.theta),
+           sum.count + 1};
+    into_.map_from_landmark_[landmark] = {sum.x / sum.count, sum.y / sum.count, std::atan2(sum.sine, sum.cosine)};
+    const auto weight = static_cast<float>(1.0 / sum.count);
+    const std::size_t first = std::size_t{landmark} * into_.stride_;
+    for (std::size_t i = 0; i < into_.stride_; ++i) {
+      float& mean = into_.rows_[first + i];
+      mean += weight * (row[i] - mean);
+      into_.roots_[first + i] = std::sqrt(std::max(0.0F, mean));
+    }
+  }
+
+  Landmarks& into_;
+  std::vector<Sums> sums_;
+  Cells cells_;
+};
 
 Landmarks::Landmarks(const PlaceMap& map, const LandmarkParams& params, ScanInterval excluded)
     : params_(params), dimension_(map.descriptor_dimension()), stride_(map.descriptor_stride()) {
-  std::vector<Sums> sums;
-  std::unordered_map<Bin, std::vector<std::uint32_t>, BinHash> near;
-  const double side = params.merge_distance;
+  LandmarkMerger merger(*this);
   for (std::size_t scan = 0; scan < map.size(); ++scan) {
     if (excluded.contains(scan)) { continue; }
     const FeatureColumns features = map.features(scan);
-    for (std::size_t k = 0; k < features.keypoints.size(); ++k) {
-      if (features.keypoints.x[k] >= out_of_sight) { continue; }
-      const Pose2 pose = map.map_from_sensor(scan) *
-                         Pose2{features.keypoints.x[k], features.keypoints.y[k], features.keypoints.theta[k]};
-      const float* const row = features.descriptors.rows + k * stride_;
-      const float* const roots = features.descriptors.roots + k * stride_;
-      const Bin cell{cell_of(pose.x, side), cell_of(pose.y, side), 0};
-      std::uint32_t best = std::numeric_limits<std::uint32_t>::max();
-      double least = params.merge_descriptor;
-      for (std::int32_t dy = -1; dy <= 1; ++dy) {
-        for (std::int32_t dx = -1; dx <= 1; ++dx) {
-          const auto found = near.find({cell.x + dx, cell.y + dy, 0});
-          if (found == near.end()) { continue; }
-          for (const std::uint32_t other : found->second) {
-            const Pose2& there = map_from_landmark_[other];
-            if (distance(pose, there) > side || heading_difference(pose, there) > params.merge_heading) { continue; }
-            const double apart = hellinger(roots, roots_.data() + std::size_t{other} * stride_, stride_);
-            if (apart < least) {
-              least = apart;
-              best = other;
-            }
-          }
-        }
-      }
-      if (best == std::numeric_limits<std::uint32_t>::max()) {
-        best = static_cast<std::uint32_t>(sums.size());
-        sums.emplace_back();
-        map_from_landmark_.push_back(pose);
-        rows_.resize(rows_.size() + stride_, 0.0F);
-        roots_.resize(roots_.size() + stride_, 0.0F);
-        near[cell].push_back(best);
-      }
-      Sums& sum = sums[best];
-      sum = {sum.x + pose.x, sum.y + pose.y, sum.cosine + std::cos(pose.theta), sum.sine + std::sin(pose.theta),
-             sum.count + 1};
-      // The place in `near` stays that of the first keypoint: the mean moves less than a cell.
-      map_from_landmark_[best] = {sum.x / sum.count, sum.y / sum.count, std::atan2(sum.sine, sum.cosine)};
-      const auto weight = static_cast<float>(1.0 / sum.count);
-      for (std::uint32_t i = 0; i < stride_; ++i) {
-        float& mean = rows_[std::size_t{best} * stride_ + i];
-        mean += weight * (row[i] - mean);
-        roots_[std::size_t{best} * stride_ + i] = std::sqrt(std::max(0.0F, mean));
-      }
+    const KeypointColumns& at = features.keypoints;
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      if (at.x[k] >= out_of_sight) { continue; }
+      merger.add(map.map_from_sensor(scan) * Pose2{at.x[k], at.y[k], at.theta[k]},
+                 features.descriptors.rows + k * stride_, features.descriptors.roots + k * stride_);
     }
   }
 }
@@ -125,56 +196,30 @@ std::vector<Pose2> Landmarks::vote(const Features& features) const {
                                  .count = static_cast<std::uint32_t>(size()),
                                  .dimension = dimension_,
                                  .stride = stride_};
-  const double side = params_.vote_distance;
-  const auto headings = static_cast<std::int32_t>(std::ceil(2 * std::numbers::pi / params_.vote_heading));
-  const double step = 2 * std::numbers::pi / headings;
-  std::unordered_map<Bin, Votes, BinHash> bins;
+  const Headings headings = headings_of(params_.vote_heading);
+  const auto kept = static_cast<std::ptrdiff_t>(std::min<std::size_t>(params_.neighbours, size()));
+  Ballot ballot;
   std::vector<float> distances(size());
   std::vector<std::uint32_t> order(size());
-  const std::size_t kept = std::min<std::size_t>(params_.neighbours, size());
   for (std::uint32_t k = 0; k < features.keypoints.size(); ++k) {
     descriptor_distances(Distance::hellinger, query, k, reference, distances);
-    for (std::uint32_t i = 0; i < order.size(); ++i) { order[i] = i; }
-    const auto nearer = [&distances](std::uint32_t a, std::uint32_t b) {
-      return distances[a] != distances[b] ? distances[a] < distances[b] : a < b;
-    };
-    std::ranges::nth_element(order, order.begin() + static_cast<std::ptrdiff_t>(kept - 1), nearer);
+    std::iota(order.begin(), order.end(), 0U);
+    std::ranges::nth_element(order, order.begin() + kept - 1, {},
+                             [&distances](std::uint32_t i) { return std::pair(distances[i], i); });
     const Pose2 keypoint_from_sensor = inverse(features.keypoints[k].sensor_from_keypoint);
-    for (std::size_t i = 0; i < kept; ++i) {
-      const std::uint32_t landmark = order[i];
+    for (const std::uint32_t landmark : std::span(order).first(static_cast<std::size_t>(kept))) {
       const float similarity = 1.0F - distances[landmark];
       if (!(similarity > 0)) { continue; }
-      const Pose2 pose = map_from_landmark_[landmark] * keypoint_from_sensor;
-      // Each vote counts in the bins around it, so that a peak on a border is not split.
-      const std::int32_t x = cell_of(pose.x + 0.5 * side, side);
-      const std::int32_t y = cell_of(pose.y + 0.5 * side, side);
-      const std::int32_t h = cell_of(pose.theta + std::numbers::pi + 0.5 * step, step);
-      for (std::int32_t corner = 0; corner < 8; ++corner) {
-        const std::int32_t heading = ((h - (corner >> 2)) % headings + headings) % headings;
-        bins[{x - (corner & 1), y - (corner >> 1 & 1), heading}].add(k, similarity);
-      }
+      for_each_bin(map_from_landmark_[landmark] * keypoint_from_sensor, params_.vote_distance, headings,
+                   [&](const Bin& bin) { ballot[bin].add(k, similarity); });
     }
   }
-  struct Peak {
-    Bin bin;
-    float votes;
-  };
-  std::vector<Peak> peaks;
-  peaks.reserve(bins.size());
-  for (const auto& [bin, votes] : bins) { peaks.push_back({bin, votes.total}); }
-  const auto better = [](const Peak& a, const Peak& b) {
-    if (a.votes != b.votes) { return a.votes > b.votes; }
-    if (a.bin.y != b.bin.y) { return a.bin.y < b.bin.y; }
-    return a.bin.x != b.bin.x ? a.bin.x < b.bin.x : a.bin.heading < b.bin.heading;
-  };
-  const std::size_t places = std::min<std::size_t>(params_.places, peaks.size());
-  std::ranges::partial_sort(peaks, peaks.begin() + static_cast<std::ptrdiff_t>(places), better);
+  const std::vector<Bin> best = most_voted(ballot, params_.places);
   std::vector<Pose2> poses;
-  poses.reserve(places);
-  for (std::size_t i = 0; i < places; ++i) {
-    const Bin& bin = peaks[i].bin;
-    poses.push_back(
-        {(bin.x + 0.5) * side, (bin.y + 0.5) * side, wrap_angle((bin.heading + 0.5) * step - std::numbers::pi)});
+  poses.reserve(best.size());
+  for (const Bin& bin : best) {
+    poses.push_back({(bin.x + 0.5) * params_.vote_distance, (bin.y + 0.5) * params_.vote_distance,
+                     wrap_angle((bin.heading + 0.5) * headings.step - std::numbers::pi)});
   }
   return poses;
 }

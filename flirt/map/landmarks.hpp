@@ -52,6 +52,7 @@ class Landmarks {
   [[nodiscard]] std::vector<Pose2> vote(const Features& features) const;
 
  private:
+  friend class LandmarkMerger;
   LandmarkParams params_;
   std::vector<Pose2> map_from_landmark_;
   std::vector<float> rows_;   ///< as Descriptors::rows, means

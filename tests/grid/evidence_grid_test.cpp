@@ -127,5 +127,27 @@ TEST(EvidenceCell, StatesFollowTheRatio) {
   EXPECT_FALSE((EvidenceCell{2, 3}).strong());
 }
 
+TEST(EvidenceGrid, IsTheSameAfterSavingItsTiles) {
+  const EvidenceGridParams params{.cell_size = 0.1};
+  EvidenceGrid grid(params);
+  grid.count({-70, 3}, {.hits = 4, .passes = 1});
+  grid.count({200, -1}, {.hits = 0, .passes = 9});
+  grid.count({5, 300}, {.hits = 2, .passes = 2});
+  const EvidenceGrid::SavedTiles saved = grid.save_tiles();
+  ASSERT_EQ(saved.tiles.size(), 3U);
+  EXPECT_EQ(EvidenceGrid(params, saved.tiles, saved.cells), grid);
+}
+
+TEST(EvidenceGrid, CountsAddUpAndStopAtTheirLargest) {
+  EvidenceGrid grid;
+  grid.count({1, 1}, {.hits = 3, .passes = 2});
+  grid.count({1, 1}, {.hits = 1, .passes = 65530});
+  EXPECT_EQ(grid.cell({1, 1}), (EvidenceCell{.hits = 4, .passes = 65532}));
+  EXPECT_EQ(grid.lost_counts(), 0U);
+  grid.count({1, 1}, {.hits = 0, .passes = 10});
+  EXPECT_EQ(grid.cell({1, 1}), (EvidenceCell{.hits = 4, .passes = 65535}));
+  EXPECT_EQ(grid.lost_counts(), 7U);
+}
+
 }  // namespace
 }  // namespace flirt

@@ -1,6 +1,6 @@
 #include "flirt/map/localize.hpp"
 
-#include "tests/support/map_examples.hpp"
+#include "tests/support/room_map.hpp"
 #include "tests/support/scenes.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -12,19 +12,6 @@
 
 namespace flirt {
 namespace {
-
-const PlaceMap& room_map() {
-  static const PlaceMap map = build_place_map(log_of(furnished_room(), poses_around(1.2, 8))).value();
-  return map;
-}
-
-Scan room_scan(const Pose2& map_from_sensor) {
-  return scan_of(furnished_room(), map_from_sensor, turn_beams(), turn_beam_count);
-}
-
-bool is_near(const Pose2& pose, const Pose2& truth, double max_distance, double max_heading) {
-  return distance(pose, truth) <= max_distance && heading_difference(pose, truth) <= max_heading;
-}
 
 void expect_equal(const LocalizationResult& a, const LocalizationResult& b) {
   EXPECT_EQ(a.verdict, b.verdict);

@@ -2,7 +2,7 @@
 
 #include "flirt/features/extract.hpp"
 
-#include "tests/support/map_examples.hpp"
+#include "tests/support/room_map.hpp"
 #include "tests/support/scenes.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -16,25 +16,12 @@
 namespace flirt {
 namespace {
 
-const PlaceMap& room_map() {
-  static const PlaceMap map = build_place_map(log_of(furnished_room(), poses_around(1.2, 8))).value();
-  return map;
-}
-
-Scan room_scan(const Pose2& map_from_sensor) {
-  return scan_of(furnished_room(), map_from_sensor, turn_beams(), turn_beam_count);
-}
-
 Features features_of_room(const Pose2& map_from_sensor) {
   return extract(room_scan(map_from_sensor));
 }
 
 SolutionSet find_in(const PlaceMap& map, const Scan& scan, const SolutionSetParams& params = {}) {
   return SolutionSetFinder(map, params).find(extract(scan));
-}
-
-bool is_near(const Pose2& pose, const Pose2& truth, double max_distance, double max_heading) {
-  return distance(pose, truth) <= max_distance && heading_difference(pose, truth) <= max_heading;
 }
 
 void expect_equal(const SolutionSet& a, const SolutionSet& b) {

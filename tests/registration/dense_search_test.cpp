@@ -74,5 +74,28 @@ TEST(DenseSearch, PutsATruePoseOnTheGridFirst) {
   EXPECT_TRUE(std::ranges::is_sorted(found, std::ranges::greater{}, [](const CoarsePose& pose) { return pose.value; }));
 }
 
+TEST(DenseSearchNear, FindsAroundAGivenPlaceWhatTheWholeSearchFinds) {
+  const auto walls = rooms::asymmetric_room();
+  const MapFields fields = map_fields(rooms::evidence_of(walls, rooms::walk({})));
+  const Pose2 truth{3.1, 3.3, 0.4};
+  const ScanPoints points = scan_points(rooms::scan_of(walls, truth, std::numbers::pi));
+  const std::vector<CoarsePose> whole = dense_search(fields, points);
+  const std::vector<Pose2> place{{truth.x + 0.3, truth.y - 0.3, truth.theta + 0.1}};
+  const std::vector<CoarsePose> near = dense_search_near(fields, points, place);
+  ASSERT_FALSE(near.empty());
+  EXPECT_LT(near.size(), whole.size());
+  EXPECT_EQ(near[0].map_from_sensor, whole[0].map_from_sensor);
+  EXPECT_EQ(near[0].value, whole[0].value);
+}
+
+TEST(DenseSearchNear, PlacesOffTheMapAndNoPlacesFindNothing) {
+  const auto walls = rooms::asymmetric_room();
+  const MapFields fields = map_fields(rooms::evidence_of(walls, rooms::walk({})));
+  const ScanPoints points = scan_points(rooms::scan_of(walls, {3, 3, 0}, std::numbers::pi));
+  const std::vector<Pose2> far{{500, -300, 1}, {-80, 2, -3}};
+  EXPECT_TRUE(dense_search_near(fields, points, far).empty());
+  EXPECT_TRUE(dense_search_near(fields, points, {}).empty());
+}
+
 }  // namespace
 }  // namespace flirt
