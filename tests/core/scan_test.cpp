@@ -1,15 +1,14 @@
 #include "flirt/core/scan.hpp"
 
+#include "tests/support/numbers.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace flirt {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 TEST(Scan, TellsNoReturnFromInvalid) {
   const Beams beams{.angle_min = 0, .angle_step = 0.01, .range_min = 0.1, .range_max = 50};

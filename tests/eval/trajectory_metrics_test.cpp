@@ -2,15 +2,14 @@
 
 #include "flirt/core/rng.hpp"
 
+#include "tests/support/numbers.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace flirt {
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 std::vector<PosePair> pairs_of(const std::vector<Pose2>& estimate, const std::vector<Pose2>& truth) {
   std::vector<PosePair> pairs;

@@ -3,6 +3,7 @@
 #include "flirt/core/rng.hpp"
 
 #include "tests/features/slow_beta_grid.hpp"
+#include "tests/support/numbers.hpp"
 #include "tests/support/print.hpp"
 
 #include <gmock/gmock.h>
@@ -16,9 +17,6 @@ namespace flirt {
 namespace {
 
 using testing::Each;
-
-constexpr double pi = std::numbers::pi;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Bins reach from 0.1 to 0.5 m in steps of 0.1; angular bins of 90° start at −180°.
 BetaGridParams four_by_four() {

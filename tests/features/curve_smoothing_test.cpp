@@ -3,20 +3,18 @@
 #include "flirt/core/pose2.hpp"
 #include "flirt/core/rng.hpp"
 
+#include "tests/support/numbers.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <numbers>
 #include <vector>
 
 namespace flirt {
 namespace {
-
-constexpr double pi = std::numbers::pi;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 struct Curve {
   std::vector<double> x{};

@@ -2,6 +2,7 @@
 
 #include "flirt/core/rng.hpp"
 
+#include "tests/support/numbers.hpp"
 #include "tests/support/print.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -10,14 +11,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace flirt {
 namespace {
-
-constexpr double pi = std::numbers::pi;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A room with a pillar and a niche, none of it parallel to the axes.
 Scene room() {

@@ -2,20 +2,18 @@
 #include "flirt/core/rng.hpp"
 #include "flirt/features/detect.hpp"
 
+#include "tests/support/numbers.hpp"
 #include "tests/support/scenes.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <set>
 #include <vector>
 
 namespace flirt {
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 /// Like the scene of figure 2: a background wall, in front of it a wall that begins in the open, turns away at a convex
 /// corner and towards the sensor again at an obtuse concave one. 150 beams of 1°.

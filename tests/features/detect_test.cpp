@@ -2,6 +2,7 @@
 
 #include "flirt/core/rng.hpp"
 
+#include "tests/support/numbers.hpp"
 #include "tests/support/print.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -12,7 +13,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <numbers>
 #include <set>
 #include <string>
 #include <vector>
@@ -21,9 +21,6 @@ namespace flirt {
 namespace {
 
 using ::testing::IsEmpty;
-
-constexpr double pi = std::numbers::pi;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::vector<DetectorParams> all_detectors() {
   return {CurvatureParams{}, RangeParams{}, NormalEdgeParams{}, NormalBlobParams{}};

@@ -3,13 +3,14 @@
 #include "flirt/core/pose2.hpp"
 #include "flirt/core/rng.hpp"
 
+#include "tests/support/numbers.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -20,8 +21,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 struct Points {
   std::vector<double> x;

@@ -3,13 +3,14 @@
 #include "flirt/core/pose2.hpp"
 #include "flirt/core/rng.hpp"
 
+#include "tests/support/numbers.hpp"
+
 #include <Eigen/Eigenvalues>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <vector>
 
 namespace flirt {
@@ -17,8 +18,6 @@ namespace {
 
 using ::testing::Each;
 using ::testing::ElementsAre;
-
-constexpr double pi = std::numbers::pi;
 
 struct Line {
   std::vector<double> x;

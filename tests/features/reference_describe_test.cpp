@@ -12,13 +12,13 @@
 // beyond atan(0.45 m / distance) reaches, and that of all with those beams optional.
 #include "flirt/features/describe.hpp"
 
+#include "tests/features/gz_lines.hpp"
 #include "tests/features/slow_beta_grid.hpp"
 #include "tests/support/data.hpp"
 #include "tests/support/print.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
@@ -32,24 +32,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-std::vector<std::string> lines_of(const std::filesystem::path& path) {
-  std::string text;
-  gzFile file = gzopen(path.c_str(), "rb");
-  std::vector<char> block(1 << 16);
-  for (int n = gzread(file, block.data(), 1 << 16); n > 0; n = gzread(file, block.data(), 1 << 16)) {
-    text.append(block.data(), static_cast<std::size_t>(n));
-  }
-  gzclose(file);
-  std::istringstream stream(text);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(stream, line);) { lines.push_back(line); }
-  return lines;
-}
-
 /// The scans with their angles as the log states them, rounded, since that is what the other program used.
 std::vector<Scan> fr079_scans(const std::filesystem::path& log) {
   std::vector<Scan> scans;
-  for (const std::string& line : lines_of(log)) {
+  for (const std::string& line : gz_lines(log)) {
     if (!line.starts_with("ROBOTLASER1")) { continue; }
     std::istringstream words(line);
     std::string ignored;
@@ -182,7 +168,7 @@ TEST_P(ReferenceDescriptors, Agree) {
   if (!log || !reference) { GTEST_SKIP() << "no reference data"; }
   const std::vector<Scan> scans = fr079_scans(*log);
   Agreement agreement;
-  for (const std::string& line : lines_of(*reference)) {
+  for (const std::string& line : gz_lines(*reference)) {
     const Json record = Json::parse(line);
     const Scan& scan = scans.at(record["scan"].get<std::size_t>());
     const std::vector<Keypoint> keypoints = keypoints_of(record);

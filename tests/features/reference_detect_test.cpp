@@ -20,11 +20,11 @@
 #include "flirt/features/detect.hpp"
 #include "flirt/features/geodesic.hpp"
 
+#include "tests/features/gz_lines.hpp"
 #include "tests/support/data.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
@@ -45,29 +45,15 @@ namespace {
 
 using Json = nlohmann::json;
 
-std::vector<std::string> lines_of(const std::filesystem::path& path) {
-  std::string text;
-  gzFile file = gzopen(path.c_str(), "rb");
-  std::vector<char> block(1 << 16);
-  for (int n = gzread(file, block.data(), 1 << 16); n > 0; n = gzread(file, block.data(), 1 << 16)) {
-    text.append(block.data(), static_cast<std::size_t>(n));
-  }
-  gzclose(file);
-  std::istringstream stream(text);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(stream, line);) { lines.push_back(line); }
-  return lines;
-}
-
 std::vector<Json> records(const std::string& name) {
   std::vector<Json> records;
-  for (const std::string& line : lines_of(*data_file("reference/" + name))) { records.push_back(Json::parse(line)); }
+  for (const std::string& line : gz_lines(*data_file("reference/" + name))) { records.push_back(Json::parse(line)); }
   return records;
 }
 
 std::vector<Scan> fr079_scans() {
   std::vector<Scan> scans;
-  for (const std::string& line : lines_of(*data_file("fr079/flirtlib-fr079.log.gz"))) {
+  for (const std::string& line : gz_lines(*data_file("fr079/flirtlib-fr079.log.gz"))) {
     std::istringstream words(line);
     std::string word;
     if (!(words >> word) || word != "ROBOTLASER1") { continue; }

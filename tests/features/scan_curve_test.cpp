@@ -1,11 +1,12 @@
 #include "flirt/features/scan_curve.hpp"
 
+#include "tests/support/numbers.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <numbers>
 
 namespace flirt {
@@ -13,12 +14,9 @@ namespace {
 
 using ::testing::ElementsAre;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 Scan example(double step) {
   return {.beams = {.angle_min = -0.4, .angle_step = step, .range_min = 0.1, .range_max = 20},
-          .ranges = {1, nan, 2, infinity, 3, 0.05, 25, 4}};
+          .ranges = {1, nan_value, 2, infinity, 3, 0.05, 25, 4}};
 }
 
 TEST(ScanCurve, HoldsTheHitsInOrderOfIncreasingAngle) {

@@ -1,5 +1,7 @@
 #include "flirt/features/shape_context.hpp"
 
+#include "tests/support/numbers.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,8 +11,6 @@ namespace flirt {
 namespace {
 
 using testing::Each;
-
-constexpr double pi = std::numbers::pi;
 
 /// Bins reach from 0.1 to 0.5 m in steps of 0.1; angular bins of 90° start at −180°.
 ShapeContextParams four_by_four() {

@@ -3,6 +3,7 @@
 #include "flirt/core/rng.hpp"
 
 #include "tests/io/gzip.hpp"
+#include "tests/support/numbers.hpp"
 #include "tests/support/temporary.hpp"
 
 #include <gmock/gmock.h>
@@ -11,8 +12,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <limits>
-#include <numbers>
 #include <ostream>
 #include <string>
 
@@ -25,8 +24,6 @@ using testing::Not;
 using testing::Pair;
 using testing::UnorderedElementsAre;
 
-constexpr double pi = std::numbers::pi;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr ReadOptions lenient{.broken_lines = BrokenLines::lenient};
 
 Result<LoadedLog> read_text(std::string_view text, const ReadOptions& options = {}) {

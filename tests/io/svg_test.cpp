@@ -1,11 +1,12 @@
 #include "flirt/io/svg.hpp"
 
+#include "tests/support/numbers.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 #include <string>
 #include <vector>
@@ -15,8 +16,6 @@ namespace {
 
 using testing::HasSubstr;
 using testing::Not;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::size_t count_of(std::string_view part, std::string_view text) {
   std::size_t n = 0;
@@ -48,7 +47,7 @@ bool is_well_formed(std::string_view text) {
 Plan full_plan() {
   Plan plan{.title = "A <room> & \"more\""};
   plan.layers.emplace_back(Raster{.image = {2, 1, {0, 255}}, .map_from_image = {0, 0, 0.5}, .resolution = 1});
-  plan.layers.emplace_back(Points{.at = {{0, 0}, {4, 4}, {nan, 1}}, .legend = "points"});
+  plan.layers.emplace_back(Points{.at = {{0, 0}, {4, 4}, {nan_value, 1}}, .legend = "points"});
   plan.layers.emplace_back(Polylines{
       .lines = {{{0, 0}, {4, 0}, {4, 4}}}, .outline = Outline::closed, .fill_opacity = 0.2, .legend = "lines"});
   plan.layers.emplace_back(Circles{.circles = {{{2, 2}, 1}}, .legend = "circles"});
@@ -175,7 +174,7 @@ TEST(Svg, TellsTicksOfLargeNumbersApart) {
 
 TEST(Svg, InterruptsSeriesWhereAValueIsMissing) {
   Chart chart;
-  chart.series.push_back({.x = {0, 1, 2, 3, 4}, .y = {1, 2, nan, 2, 1}, .style = {.marker = Marker::none}});
+  chart.series.push_back({.x = {0, 1, 2, 3, 4}, .y = {1, 2, nan_value, 2, 1}, .style = {.marker = Marker::none}});
   const std::string text = to_svg({.panels = {chart}});
   const std::size_t begin = text.find("d=\"M", text.rfind("<svg"));
   const std::string path = text.substr(begin, text.find("/>", begin) - begin);

@@ -2,18 +2,17 @@
 
 #include "flirt/core/rng.hpp"
 
+#include "tests/support/numbers.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <vector>
 
 namespace flirt {
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 /// Distance from a point inside the room −4 ≤ x ≤ 6, −3 ≤ y ≤ 5 to its wall.
 double range_in_room(Point2 from, double angle) {

@@ -2,17 +2,16 @@
 
 #include "flirt/sim/office.hpp"
 
+#include "tests/support/numbers.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace flirt {
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 LidarParams perfect() {
   return {.noise = 0, .noise_per_metre = 0, .resolution = 0, .dropouts = 0, .mixed_pixels = 0};

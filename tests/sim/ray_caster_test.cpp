@@ -3,18 +3,15 @@
 #include "flirt/core/rng.hpp"
 #include "flirt/sim/office.hpp"
 
+#include "tests/support/numbers.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 
 namespace flirt {
 namespace {
-
-constexpr double pi = std::numbers::pi;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 FloorPlan room(double width, double height) {
   return {{{{0, 0}, {width, 0}}, {{width, 0}, {width, height}}, {{width, height}, {0, height}}, {{0, height}, {0, 0}}},
