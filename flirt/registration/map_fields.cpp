@@ -21,7 +21,7 @@ struct Marks {
 
 template <class T>
 Raster<T> raster(std::int32_t width, std::int32_t height) {
-  return {width, height, std::vector<T>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
+  return Raster<T>(width, height);
 }
 
 Marks marks_of(const EvidenceGrid& grid, const CellBox& box) {
@@ -179,37 +179,14 @@ CoarseCell coarse_cell(const Raster<std::uint8_t>& agreement, std::int32_t x, st
   return coarse;
 }
 
-std::int32_t round_up(std::int32_t value, std::int32_t multiple) {
-  return (value + multiple - 1) / multiple * multiple;
-}
-
-std::vector<CellIndex> standable_blocks(const CoarseField& coarse) {
-  std::vector<CellIndex> blocks;
-  for (std::int32_t y = 0; y < coarse.height; y += CoarseField::block_height) {
-    for (std::int32_t x = 0; x < coarse.width; x += CoarseField::block_width) {
-      bool any = false;
-      for (std::int32_t v = y; v < y + CoarseField::block_height; ++v) {
-        for (std::int32_t u = x; u < x + CoarseField::block_width; ++u) { any |= coarse.standable.at(u, v) != 0; }
-      }
-      if (any) { blocks.push_back({x, y}); }
-    }
-  }
-  return blocks;
-}
-
 /// Value of a coarse cell: by its best fine cell where something occupied is near, less where most of it is free.
 CoarseField coarse_field(const MapFields& fields, const MapFieldParams& params) {
   const auto factor = static_cast<std::int32_t>(params.coarse_factor);
   const std::int32_t width = (fields.agreement.width + factor - 1) / factor;
   const std::int32_t height = (fields.agreement.height + factor - 1) / factor;
-  CoarseField coarse{.cell_size = factor * fields.cell_size,
-                     .unknown = static_cast<std::uint8_t>(params.free_penalty),
-                     .largest = static_cast<std::uint8_t>(params.free_penalty + params.coarse_peak),
-                     .width = round_up(width, CoarseField::block_width),
-                     .height = round_up(height, CoarseField::block_height)};
-  coarse.values = raster<std::uint8_t>(coarse.width + 2 * CoarseField::pad_x, coarse.height + 2 * CoarseField::pad_y);
-  std::ranges::fill(coarse.values.cells, coarse.unknown);
-  coarse.standable = raster<std::uint8_t>(coarse.width, coarse.height);
+  CoarseField coarse =
+      unknown_field(width, height, factor * fields.cell_size, static_cast<std::uint8_t>(params.free_penalty),
+                    static_cast<std::uint8_t>(params.free_penalty + params.coarse_peak));
   const double sigma = params.likelihood_sigma / fields.cell_size;
   for (std::int32_t y = 0; y < height; ++y) {
     for (std::int32_t x = 0; x < width; ++x) {
@@ -218,11 +195,10 @@ CoarseField coarse_field(const MapFields& fields, const MapFieldParams& params) 
       const double likelihood = far ? 0.0 : std::exp(-cell.nearest / (2 * sigma * sigma));
       const bool is_free = 2 * cell.free > factor * factor;
       const double value = params.coarse_peak * likelihood + (is_free ? 0.0 : params.free_penalty);
-      coarse.values.at(x + CoarseField::pad_x, y + CoarseField::pad_y) = static_cast<std::uint8_t>(std::lround(value));
-      coarse.standable.at(x, y) = cell.free > 0 ? 255 : 0;
+      set_cell(coarse, {x, y}, static_cast<std::uint8_t>(std::lround(value)), cell.free > 0);
     }
   }
-  coarse.blocks = standable_blocks(coarse);
+  finish(coarse, {0, 0}, {width, height});
   return coarse;
 }
 
@@ -230,8 +206,7 @@ CoarseField coarse_field(const MapFields& fields, const MapFieldParams& params) 
 
 std::size_t MapFields::bytes() const {
   return agreement.cells.size() + clearance.cells.size() + line.cells.size() * sizeof(line.cells[0]) +
-         lines.size() * sizeof(LinePiece) + coarse.values.cells.size() + coarse.standable.cells.size() +
-         coarse.blocks.size() * sizeof(CellIndex);
+         lines.size() * sizeof(LinePiece) + coarse.bytes();
 }
 
 MapFields map_fields(const EvidenceGrid& grid, const MapFieldParams& params) {

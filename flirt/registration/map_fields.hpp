@@ -4,6 +4,8 @@
 #include "flirt/core/fields.hpp"
 #include "flirt/core/pose2.hpp"
 #include "flirt/grid/evidence_grid.hpp"
+#include "flirt/registration/coarse_field.hpp"
+#include "flirt/registration/raster.hpp"
 
 #include <concepts>
 #include <cstddef>
@@ -39,42 +41,6 @@ struct LinePiece {
   float normal_x{1};  ///< unit vector along the smaller spread
   float normal_y{0};
   float roundness{1};  ///< smaller over larger variance of the hits: 0 on a line, 1 in a heap
-};
-
-/// One layer of square cells over the map's box, row by row from its lower corner.
-template <class T>
-struct Raster {
-  std::int32_t width{0};   ///< cells
-  std::int32_t height{0};  ///< cells
-  std::vector<T> cells{};
-
-  [[nodiscard]] bool contains(std::int32_t x, std::int32_t y) const {
-    return static_cast<std::uint32_t>(x) < static_cast<std::uint32_t>(width) &&
-           static_cast<std::uint32_t>(y) < static_cast<std::uint32_t>(height);
-  }
-  [[nodiscard]] std::size_t offset(std::int32_t x, std::int32_t y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-  }
-  [[nodiscard]] const T& at(std::int32_t x, std::int32_t y) const { return cells[offset(x, y)]; }
-  [[nodiscard]] T& at(std::int32_t x, std::int32_t y) { return cells[offset(x, y)]; }
-};
-
-/// The layer that the dense search runs over, padded so that whole blocks can be read at any shift: cell (x, y) of the
-/// map is at (x + pad_x, y + pad_y), and the padding is unknown space.
-struct CoarseField {
-  static constexpr std::int32_t block_width = 32;  ///< cells, positions searched together
-  static constexpr std::int32_t block_height = 4;  ///< cells
-  static constexpr std::int32_t pad_x = block_width;
-  static constexpr std::int32_t pad_y = block_height;
-
-  double cell_size{0.2};             ///< m
-  std::uint8_t unknown{3};           ///< value of unknown space; free space is worth less, occupied more
-  std::uint8_t largest{15};          ///< largest value
-  std::int32_t width{0};             ///< cells without padding, a multiple of block_width
-  std::int32_t height{0};            ///< cells without padding, a multiple of block_height
-  Raster<std::uint8_t> values{};     ///< padded
-  Raster<std::uint8_t> standable{};  ///< not padded: 255 where a robot can have been (seen free space), else 0
-  std::vector<CellIndex> blocks{};   ///< lower corners of the blocks with any standable cell
 };
 
 /// What a fine cell is: bits of `MapFields::agreement`.
