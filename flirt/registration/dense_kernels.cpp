@@ -118,16 +118,26 @@ void bound_panel(const std::uint8_t* peaks, std::size_t stride, const std::int32
   }
 }
 
+std::size_t largest_of(const std::uint16_t* sums) {
+  const hn::CappedTag<std::uint16_t, lanes / 2> d;
+  auto best = hn::Zero(d);
+  for (std::size_t i = 0; i < lanes; i += hn::MaxLanes(d)) { best = hn::Max(best, hn::Load(d, sums + i)); }
+  return hn::GetLane(hn::MaxOfLanes(d, best));
+}
+
+/// Gives up as soon as no sum can reach `least`, each end point being worth at most `largest`.
 void search_pair(const std::uint8_t* quads, const std::int32_t* x, const std::int32_t* y, std::size_t count,
-                 const Reading& reading, std::size_t per_byte, const std::uint8_t* standable, std::uint16_t* keys) {
+                 const Reading& reading, std::size_t largest, std::size_t least, const std::uint8_t* standable,
+                 std::uint16_t* keys) {
+  const std::size_t per_byte = 255U / largest;
   alignas(64) std::int32_t offsets[most_points + 16];
   offsets_of(x, y, count, reading, offsets);
   alignas(64) std::uint16_t sums[lanes] = {};
   const Bytes d8;
-  for (std::size_t part = 0; part < parts; ++part) {
-    const std::uint8_t* const corner = quads + part * byte_lanes;
-    for (std::size_t begin = 0; begin < count; begin += 2 * per_byte) {
-      const std::size_t end = HWY_MIN(count, begin + 2 * per_byte);
+  for (std::size_t begin = 0; begin < count; begin += 2 * per_byte) {
+    const std::size_t end = HWY_MIN(count, begin + 2 * per_byte);
+    for (std::size_t part = 0; part < parts; ++part) {
+      const std::uint8_t* const corner = quads + part * byte_lanes;
       auto even = hn::Zero(d8);  // two sums, as each addition waits for the last
       auto odd = hn::Zero(d8);
       std::size_t k = begin;
@@ -139,17 +149,22 @@ void search_pair(const std::uint8_t* quads, const std::int32_t* x, const std::in
       add_to_words(even, sums + part * byte_lanes);
       add_to_words(odd, sums + part * byte_lanes);
     }
+    if (largest_of(sums) + (count - end) * largest < least) {
+      keys[0] = 0;
+      keys[1] = 0;
+      return;
+    }
   }
   const hn::CappedTag<std::uint16_t, lanes / 2> d16;
   const hn::Rebind<std::uint8_t, decltype(d16)> d_narrow;
   for (std::size_t tile = 0; tile < 2; ++tile) {
-    auto largest = hn::Zero(d16);
+    auto best = hn::Zero(d16);
     for (std::size_t i = tile * lanes / 2; i < (tile + 1) * lanes / 2; i += hn::MaxLanes(d16)) {
       const auto key = hn::Or(hn::ShiftLeft<4>(hn::LoadU(d16, sums + i)), hn::LoadU(d16, in_tile.of_lane + i));
       const auto allowed = hn::PromoteTo(d16, hn::LoadU(d_narrow, standable + i));
-      largest = hn::Max(largest, hn::IfThenElseZero(hn::Ne(allowed, hn::Zero(d16)), key));
+      best = hn::Max(best, hn::IfThenElseZero(hn::Ne(allowed, hn::Zero(d16)), key));
     }
-    keys[tile] = hn::GetLane(hn::MaxOfLanes(d16, largest));
+    keys[tile] = hn::GetLane(hn::MaxOfLanes(d16, best));
   }
 }
 
@@ -208,7 +223,7 @@ void bound_panel(const CoarseField::Panel& panel, const Steps& steps, std::uint8
    panel.pairs.data(), bounds);
 }
 
-PairKeys search_pair(CellIndex corner, const std::uint8_t* standable, const Steps& steps) {
+PairKeys search_pair(CellIndex corner, const std::uint8_t* standable, const Steps& steps, int least) {
   const CoarseField& field = *steps.field;
   const std::int32_t pad_x = CoarseField::pair_width;
   const std::int32_t pad_y = side;
@@ -222,8 +237,8 @@ PairKeys search_pair(CellIndex corner, const std::uint8_t* standable, const Step
                         .stride = side * field.quads.width};
   PairKeys keys{};
   HWY_DYNAMIC_DISPATCH(search_pair)
-  (field.quads.cells.front().data(), steps.x.data(), steps.y.data(), steps.count, reading, per_byte(field), standable,
-   keys.data());
+  (field.quads.cells.front().data(), steps.x.data(), steps.y.data(), steps.count, reading, field.largest,
+   static_cast<std::size_t>(least), standable, keys.data());
   return keys;
 }
 

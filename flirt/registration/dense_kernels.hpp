@@ -32,8 +32,9 @@ class Steps {
 using PanelBounds = std::array<std::uint8_t, CoarseField::panel_pairs>;
 void bound_panel(const CoarseField::Panel& panel, const Steps& steps, std::uint8_t* bounds);
 
-/// For both tiles of a pair the largest of 16 · sum + 4 · row + column over the cells in which one can stand, else 0.
+/// For both tiles of a pair the largest of 16 · sum + 4 · row + column over the cells in which one can stand, else 0;
+/// 0, too, once it is sure that no sum reaches `least`.
 using PairKeys = std::array<std::uint16_t, 2>;
-PairKeys search_pair(CellIndex corner, const std::uint8_t* standable, const Steps& steps);
+PairKeys search_pair(CellIndex corner, const std::uint8_t* standable, const Steps& steps, int least);
 
 }  // namespace flirt::dense

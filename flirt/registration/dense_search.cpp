@@ -51,38 +51,47 @@ Query query_of(const CoarseField& field, const ScanPoints& points, const DenseSe
     const double angle = static_cast<double>(heading) * query.headings.step;
     const double c = std::cos(angle) / field.cell_size;
     const double s = std::sin(angle) / field.cell_size;
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::size_t i = k * points.size() / count;
-      query.steps[heading].set(k, static_cast<std::int32_t>(std::lround(c * points.x[i] - s * points.y[i])),
-                               static_cast<std::int32_t>(std::lround(s * points.x[i] + c * points.y[i])));
+    // Every fourth point, then the next of each four: the first few already tell much of the whole.
+    std::size_t to = 0;
+    for (std::size_t first = 0; first < 4; ++first) {
+      for (std::size_t k = first; k < count; k += 4, ++to) {
+        const std::size_t i = k * points.size() / count;
+        query.steps[heading].set(to, static_cast<std::int32_t>(std::lround(c * points.x[i] - s * points.y[i])),
+                                 static_cast<std::int32_t>(std::lround(s * points.x[i] + c * points.y[i])));
+      }
     }
   }
   return query;
 }
 
-/// For each heading and each pair of each panel a bound of its sums (see dense::bound_panel).
+/// For each panel, heading and pair a bound of its sums (see dense::bound_panel).
 class Bounds {
  public:
   explicit Bounds(const Query& query)
-      : panels_(query.field.panels.size()), bytes_(query.headings.count * panels_ * panel_pairs) {}
+      : headings_(query.headings.count), bytes_(query.field.panels.size() * headings_ * panel_pairs) {}
 
-  [[nodiscard]] std::uint8_t* of(std::size_t heading, std::size_t panel) {
-    return bytes_.data() + (heading * panels_ + panel) * panel_pairs;
+  [[nodiscard]] std::uint8_t* of(std::size_t panel, std::size_t heading) {
+    return bytes_.data() + (panel * headings_ + heading) * panel_pairs;
   }
-  [[nodiscard]] const std::uint8_t* of(std::size_t heading, std::size_t panel) const {
-    return bytes_.data() + (heading * panels_ + panel) * panel_pairs;
+  [[nodiscard]] const std::uint8_t* of(std::size_t panel, std::size_t heading) const {
+    return bytes_.data() + (panel * headings_ + heading) * panel_pairs;
   }
 
  private:
-  std::size_t panels_;
+  std::size_t headings_;
   std::vector<std::uint8_t> bytes_;
 };
 
+/// A few neighbouring panels at a time: their surroundings and the steps of one heading stay in the cache.
 Bounds bounds_everywhere(const Query& query) {
+  constexpr std::size_t together = 8;
   Bounds bounds(query);
-  for (std::size_t heading = 0; heading < query.headings.count; ++heading) {
-    for (std::size_t panel = 0; panel < query.field.panels.size(); ++panel) {
-      dense::bound_panel(query.field.panels[panel], query.steps[heading], bounds.of(heading, panel));
+  const std::vector<CoarseField::Panel>& panels = query.field.panels;
+  for (std::size_t first = 0; first < panels.size(); first += together) {
+    for (std::size_t heading = 0; heading < query.headings.count; ++heading) {
+      for (std::size_t panel = first; panel < std::min(first + together, panels.size()); ++panel) {
+        dense::bound_panel(panels[panel], query.steps[heading], bounds.of(panel, heading));
+      }
     }
   }
   return bounds;
@@ -157,45 +166,54 @@ CellIndex corner_of(const CoarseField::Panel& panel, std::size_t pair) {
           panel.corner.y + i / CoarseField::panel_columns * CoarseField::tile_side};
 }
 
+/// The best of the headings [first, last) in each tile of a panel; only pairs with a bound of at least `least`.
+void search_panel(const Query& query, const Bounds& bounds, std::size_t index, std::size_t first, std::size_t last,
+                  std::uint8_t least, BestTiles& best) {
+  const CoarseField::Panel& panel = query.field.panels[index];
+  std::array<TileBest, tiles_per_panel> tiles{};
+  std::array<std::uint64_t, tiles_per_panel / 64> touched{};
+  for (std::size_t heading = first; heading < last; ++heading) {
+    for_each_pair(bounds.of(index, heading), least, [&](std::size_t pair) {
+      const CellIndex corner = corner_of(panel, pair);
+      const std::uint8_t* const standable = panel.standable.data() + pair * CoarseField::pair_cells;
+      const PairKeys keys = dense::search_pair(corner, standable, query.steps[heading], best.least());
+      for (std::size_t k = 0; k < keys.size(); ++k) {
+        TileBest& tile = tiles[2 * pair + k];
+        if (keys[k] <= tile.key) { continue; }
+        const auto step = static_cast<std::int32_t>(k) * CoarseField::tile_side;
+        tile = {keys[k], static_cast<std::uint16_t>(heading), {corner.x + step, corner.y}};
+        touched[pair / 32] |= std::uint64_t{1} << (2 * (pair % 32) + k);
+      }
+    });
+  }
+  for (std::size_t word = 0; word < touched.size(); ++word) {
+    for (std::uint64_t bits = touched[word]; bits != 0; bits &= bits - 1) {
+      best.add(tiles[64 * word + static_cast<std::size_t>(std::countr_zero(bits))]);
+    }
+  }
+}
+
 /// Best tiles over all pairs whose bounds reach `least_asked` and what `best` asks for, which rises as tiles are found.
 BestTiles search_pairs(const Query& query, const Bounds& bounds, std::uint8_t least_asked,
                        const DenseSearchParams& params, BestTiles best) {
-  const CoarseField& field = query.field;
-  std::vector<TileBest> group(field.panels.size() * tiles_per_panel);
-  std::vector<std::uint32_t> touched;
-  for (std::size_t heading = 0; heading < query.headings.count; ++heading) {
-    const std::uint8_t least = std::max(least_asked, least_bound(best.least()));
-    for (std::size_t i = 0; i < field.panels.size(); ++i) {
-      const CoarseField::Panel& panel = field.panels[i];
-      for_each_pair(bounds.of(heading, i), least, [&](std::size_t pair) {
-        const CellIndex corner = corner_of(panel, pair);
-        const PairKeys keys =
-            dense::search_pair(corner, panel.standable.data() + pair * CoarseField::pair_cells, query.steps[heading]);
-        for (std::size_t k = 0; k < keys.size(); ++k) {
-          const std::size_t tile = i * tiles_per_panel + 2 * pair + k;
-          if (keys[k] <= group[tile].key) { continue; }
-          if (group[tile].key == 0) { touched.push_back(static_cast<std::uint32_t>(tile)); }
-          const auto step = static_cast<std::int32_t>(k) * CoarseField::tile_side;
-          group[tile] = {keys[k], static_cast<std::uint16_t>(heading), {corner.x + step, corner.y}};
-        }
-      });
-    }
-    if ((heading + 1) % params.headings_per_tile == 0 || heading + 1 == query.headings.count) {
-      for (const std::uint32_t tile : touched) { best.add(std::exchange(group[tile], {})); }
-      touched.clear();
+  for (std::size_t panel = 0; panel < query.field.panels.size(); ++panel) {
+    for (std::size_t first = 0; first < query.headings.count; first += params.headings_per_tile) {
+      const std::size_t last = std::min<std::size_t>(first + params.headings_per_tile, query.headings.count);
+      const std::uint8_t least = std::max(least_asked, least_bound(best.least()));
+      search_panel(query, bounds, panel, first, last, least, best);
     }
   }
   return best;
 }
 
-/// A bound that some `count` pairs reach, by every eighth panel.
+/// A bound that some `count` pairs reach, by every eighth panel and heading.
 std::uint8_t bound_of_best(const Query& query, const Bounds& bounds, std::size_t count) {
   constexpr std::size_t every = 8;
   std::array<std::size_t, 256> histogram{};
-  for (std::size_t heading = 0; heading < query.headings.count; ++heading) {
-    for (std::size_t panel = heading % every; panel < query.field.panels.size(); panel += every) {
-      const std::uint8_t* const of_panel = bounds.of(heading, panel);
-      for (std::size_t i = 0; i < panel_pairs; ++i) { ++histogram[of_panel[i]]; }
+  for (std::size_t panel = 0; panel < query.field.panels.size(); ++panel) {
+    for (std::size_t heading = panel % every; heading < query.headings.count; heading += every) {
+      const std::uint8_t* const pairs = bounds.of(panel, heading);
+      for (std::size_t i = 0; i < panel_pairs; ++i) { ++histogram[pairs[i]]; }
     }
   }
   std::size_t bound = 255;
@@ -254,7 +272,7 @@ Bounds bounds_near(const Query& query, const MapFields& fields, std::span<const 
       if (x0 > x1 || y0 > y1) { continue; }
       const std::int64_t heading = std::lround(place.theta / query.headings.step);
       for (std::int64_t h = heading - turns; h <= heading + turns; ++h) {
-        std::uint8_t* const marks = bounds.of(static_cast<std::size_t>((h % turn + turn) % turn), i);
+        std::uint8_t* const marks = bounds.of(i, static_cast<std::size_t>((h % turn + turn) % turn));
         for (auto row = static_cast<std::size_t>(y0); row <= static_cast<std::size_t>(y1); ++row) {
           for (auto column = static_cast<std::size_t>(x0); column <= static_cast<std::size_t>(x1); ++column) {
             const std::size_t pair = row * CoarseField::panel_columns + column;
