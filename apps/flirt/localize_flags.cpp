@@ -13,7 +13,7 @@ void LocalizeFlags::add(CLI::App& command, ParamFlags& params) {
                   "single scans (default auto)")
       ->check(CLI::IsMember(names));
   command.add_option("--largest-dense", params_.largest_dense,
-                     "blocks of 5 m² that a dense search may run over before auto asks the features (default 2000)");
+                     "m² that a dense search may run over before auto asks the features (default 1000000)");
   params.add(command, "fields", params_.fields);
   params.add(command, "search", params_.search);
   params.add(command, "landmarks", params_.landmarks);

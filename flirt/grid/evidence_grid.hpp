@@ -115,6 +115,13 @@ class EvidenceGrid {
   template <class Visit>
   void for_each_row(const Visit& visit) const;
 
+  /// Calls visit(CellIndex tile, std::span<const EvidenceCell> cells) for each tile, its cells row by row; tiles in no
+  /// particular order, their indices in tiles.
+  template <class Visit>
+  void for_each_tile(const Visit& visit) const {
+    for (const Tile& tile : tiles_) { visit(tile.index, std::span<const EvidenceCell>(tile.cells)); }
+  }
+
   /// Equal evidence in every cell, and equal parameters.
   friend bool operator==(const EvidenceGrid& a, const EvidenceGrid& b);
 

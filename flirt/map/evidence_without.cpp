@@ -12,7 +12,8 @@ const MapFields& EvidenceWithout::fields(ScanInterval excluded) {
   } else {
     take_out(excluded);
   }
-  fields_ = map_fields(thinned_ ? *thinned_ : map_.evidence(), params_);
+  const EvidenceGrid& evidence = thinned_ ? *thinned_ : map_.evidence();
+  fields_ = fields_ ? updated_fields(*fields_, evidence) : map_fields(evidence, params_);
   return *fields_;
 }
 

@@ -17,7 +17,7 @@ class EvidenceWithout {
   EvidenceWithout(const PlaceMap& map, const MapFieldParams& params) : map_(map), params_(params) {}
 
   /// Fields without the evidence of the scans in `excluded`, exactly as a map built without them would have them.
-  /// Made anew when `excluded` is another than in the last call: O(cells of the map's box).
+  /// When `excluded` is another than in the last call, the tiles whose evidence differs are made anew.
   const MapFields& fields(ScanInterval excluded);
 
  private:

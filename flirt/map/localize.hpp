@@ -50,8 +50,8 @@ struct LocalizeParams {
   MapFieldParams fields{};
   SearchParams search{};
   LandmarkParams landmarks{};  ///< of the method `features`
-  /// Blocks of 5 m² that a dense search may run over; a larger map is searched where features vote, with `automatic`.
-  std::uint32_t largest_dense{2000};
+  /// m² that a dense search may run over; a larger map is searched where features vote, with `automatic`.
+  double largest_dense{1e6};
   VerdictParams verdict{};
   SolutionSetParams papers{};  ///< of the method `papers`
 };

@@ -34,7 +34,6 @@ EvidenceScore EvidenceScorer::score(const ScanPoints& points, const Pose2& map_f
   const float s = scale * static_cast<float>(std::sin(map_from_sensor.theta));
   const float x0 = static_cast<float>((map_from_sensor.x - fields_->origin.x) / fields_->cell_size);
   const float y0 = static_cast<float>((map_from_sensor.y - fields_->origin.y) / fields_->cell_size);
-  const Raster<std::uint8_t>& agreement = fields_->agreement;
   float likelihood = 0;
   float free = 0;
   int unknown = 0;
@@ -44,12 +43,13 @@ EvidenceScore EvidenceScorer::score(const ScanPoints& points, const Pose2& map_f
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto x = floor_to_int(x0 + c * points.x[i] - s * points.y[i]);
     const auto y = floor_to_int(y0 + s * points.x[i] + c * points.y[i]);
-    if (!agreement.contains(x, y)) {
+    const MapTile* const tile = fields_->tile_at(x, y);
+    if (tile == nullptr) {
       ++unknown;
       squared_distances += Agreement::distance_mask;
       continue;
     }
-    const std::uint8_t code = agreement.at(x, y);
+    const std::uint8_t code = tile->agreement[MapTile::offset(x, y)];
     const int squared_distance = code & Agreement::distance_mask;
     near += squared_distance <= near_cells ? 1 : 0;
     squared_distances += squared_distance;
@@ -71,16 +71,16 @@ EvidenceScore EvidenceScorer::score(const ScanPoints& points, const Pose2& map_f
 
 bool EvidenceScorer::crosses_solid(float from_x, float from_y, float direction_x, float direction_y,
                                    float length) const {
-  const Raster<std::uint8_t>& clearance = fields_->clearance;
   for (float t = 0; t < length;) {
     const auto x = floor_to_int(from_x + t * direction_x);
     const auto y = floor_to_int(from_y + t * direction_y);
-    if (!clearance.contains(x, y)) {
+    if (!fields_->contains(x, y)) {
       t += 4;
       continue;
     }
-    const std::uint8_t clear = clearance.at(x, y);
-    if (clear == MapFields::solid) { return true; }
+    const MapTile* const tile = fields_->tiles[fields_->tile_index(x, y)].get();
+    const std::uint8_t clear = tile == nullptr ? MapTile::clear : tile->clearance[MapTile::offset(x, y)];
+    if (clear == MapTile::solid) { return true; }
     t += std::max(0.7F, static_cast<float>(clear));
   }
   return false;

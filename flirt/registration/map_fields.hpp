@@ -1,107 +1,54 @@
 // flirt/registration/map_fields.hpp: a map's evidence, prepared for finding scans in it.
 #pragma once
 
-#include "flirt/core/fields.hpp"
 #include "flirt/core/pose2.hpp"
 #include "flirt/grid/evidence_grid.hpp"
+#include "flirt/registration/coarse_field.hpp"
+#include "flirt/registration/map_tile.hpp"
 
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace flirt {
 
-struct MapFieldParams {
-  double reach{0.4};               ///< m, farther from anything occupied an end point agrees with nothing
-  double line_radius{0.15};        ///< m, neighbourhood of occupied cells that makes a piece of line
-  double likelihood_sigma{0.2};    ///< m, of the coarse likelihood: grid and angle steps blur the end points this much
-  std::uint32_t coarse_factor{4};  ///< cells per side of a coarse cell
-  std::uint32_t free_penalty{3};   ///< coarse value of unknown space, of `coarse_peak`; free space is worth 0
-  std::uint32_t coarse_peak{12};   ///< what an occupied coarse cell is worth more than unknown space
-};
-
-template <class Params, class Visitor>
-  requires std::same_as<std::remove_const_t<Params>, MapFieldParams>
-void visit_fields(Params& params, Visitor&& visit) {
-  visit(params.reach, Field{"reach", "m", "farther from anything occupied an end point agrees with nothing", 0.1, 5.0});
-  visit(params.line_radius, Field{"line_radius", "m", "neighbourhood that makes a piece of line", 0.05, 1.0});
-  visit(params.likelihood_sigma, Field{"coarse_sigma", "m", "width of the coarse likelihood", 0.05, 2.0});
-  visit(params.coarse_factor, Field{"coarse_factor", "", "cells per side of a coarse cell", 1, 16});
-  visit(params.free_penalty, Field{"free_penalty", "", "coarse value of unknown space; free space is worth 0", 0, 10});
-  visit(params.coarse_peak, Field{"coarse_peak", "", "coarse value of occupied above unknown space", 1, 50});
-}
-
-/// A piece of wall around an occupied cell, from the hits in the occupied cells around it.
-struct LinePiece {
-  float x{0};         ///< m from the fields' origin, centre of the hits
-  float y{0};         ///< m
-  float normal_x{1};  ///< unit vector along the smaller spread
-  float normal_y{0};
-  float roundness{1};  ///< smaller over larger variance of the hits: 0 on a line, 1 in a heap
-};
-
-/// One layer of square cells over the map's box, row by row from its lower corner.
-template <class T>
-struct Raster {
-  std::int32_t width{0};   ///< cells
-  std::int32_t height{0};  ///< cells
-  std::vector<T> cells{};
-
-  [[nodiscard]] bool contains(std::int32_t x, std::int32_t y) const {
-    return static_cast<std::uint32_t>(x) < static_cast<std::uint32_t>(width) &&
-           static_cast<std::uint32_t>(y) < static_cast<std::uint32_t>(height);
-  }
-  [[nodiscard]] std::size_t offset(std::int32_t x, std::int32_t y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-  }
-  [[nodiscard]] const T& at(std::int32_t x, std::int32_t y) const { return cells[offset(x, y)]; }
-  [[nodiscard]] T& at(std::int32_t x, std::int32_t y) { return cells[offset(x, y)]; }
-};
-
-/// The layer that the dense search runs over, padded so that whole blocks can be read at any shift: cell (x, y) of the
-/// map is at (x + pad_x, y + pad_y), and the padding is unknown space.
-struct CoarseField {
-  static constexpr std::int32_t block_width = 32;  ///< cells, positions searched together
-  static constexpr std::int32_t block_height = 4;  ///< cells
-  static constexpr std::int32_t pad_x = block_width;
-  static constexpr std::int32_t pad_y = block_height;
-
-  double cell_size{0.2};             ///< m
-  std::uint8_t unknown{3};           ///< value of unknown space; free space is worth less, occupied more
-  std::uint8_t largest{15};          ///< largest value
-  std::int32_t width{0};             ///< cells without padding, a multiple of block_width
-  std::int32_t height{0};            ///< cells without padding, a multiple of block_height
-  Raster<std::uint8_t> values{};     ///< padded
-  Raster<std::uint8_t> standable{};  ///< not padded: 255 where a robot can have been (seen free space), else 0
-  std::vector<CellIndex> blocks{};   ///< lower corners of the blocks with any standable cell
-};
-
-/// What a fine cell is: bits of `MapFields::agreement`.
-struct Agreement {
-  static constexpr std::uint8_t distance_mask = 63;  ///< squared distance to the nearest occupied cell, cells², ≤ 63
-  static constexpr std::uint8_t free = 64;           ///< seen, not occupied
-  static constexpr std::uint8_t unknown = 128;       ///< never seen
-};
-
-/// All that finding a scan in a map needs of the map; made once, then only read, by any number of threads.
+/// All that finding a scan in a map needs of the map; made once, then only read, by any number of threads. The fine
+/// layers lie in tiles, absent where there is nothing to know, and copies share them: memory grows with the mapped
+/// area. Only the coarse field, some 7 bytes for each 0.04 m², covers the map's box.
 struct MapFields {
-  static constexpr std::uint8_t solid = 255;  ///< `clearance` of a solid cell
+  Point2 origin;           ///< m, lower corner of the box in the map frame
+  double cell_size{0.05};  ///< m
+  MapFieldParams params{};
+  CellIndex first_tile{};                               ///< of the box, in tiles of the evidence grid
+  std::int32_t columns{0};                              ///< tiles
+  std::int32_t rows{0};                                 ///< tiles
+  std::vector<std::shared_ptr<const MapTile>> tiles{};  ///< row by row; null: nothing seen there or near
+  CoarseField coarse{};
 
-  Point2 origin;                   ///< m, lower corner of the box in the map frame
-  double cell_size{0.05};          ///< m
-  Raster<std::uint8_t> agreement;  ///< see Agreement
-  Raster<std::uint8_t> clearance;  ///< cells that a ray may go without meeting anything solid
-  Raster<std::uint32_t> line;      ///< index into `lines` of the piece at the nearest occupied cell + 1; 0: none
-  std::vector<LinePiece> lines;
-  CoarseField coarse;
-
-  [[nodiscard]] bool empty() const { return agreement.cells.empty(); }
+  [[nodiscard]] bool empty() const { return tiles.empty(); }
   /// Bytes of all layers.
   [[nodiscard]] std::size_t bytes() const;
+
+  /// The tile of cell (x, y), counted from the origin; null outside of the box, and where nothing was seen.
+  [[nodiscard]] const MapTile* tile_at(std::int32_t x, std::int32_t y) const {
+    return contains(x, y) ? tiles[tile_index(x, y)].get() : nullptr;
+  }
+  [[nodiscard]] bool contains(std::int32_t x, std::int32_t y) const {
+    return static_cast<std::uint32_t>(x) < static_cast<std::uint32_t>(columns * MapTile::side) &&
+           static_cast<std::uint32_t>(y) < static_cast<std::uint32_t>(rows * MapTile::side);
+  }
+  /// Of a cell in the box.
+  [[nodiscard]] std::size_t tile_index(std::int32_t x, std::int32_t y) const {
+    return static_cast<std::size_t>((y / MapTile::side) * columns + x / MapTile::side);
+  }
 };
 
-/// O(cells of the map's box · reach).
+/// O(cells of the mapped area · reach + cells of the map's box).
 [[nodiscard]] MapFields map_fields(const EvidenceGrid& grid, const MapFieldParams& params = {});
+
+/// The fields that `map_fields(grid, before.params)` would make; tiles around which the evidence means the same as when
+/// `before` was made are shared with it, others are made anew.
+[[nodiscard]] MapFields updated_fields(const MapFields& before, const EvidenceGrid& grid);
 
 }  // namespace flirt

@@ -24,6 +24,7 @@ NormalEquations normal_equations(const MapFields& fields, const ScanPoints& poin
   const auto y0 = static_cast<float>(origin_from_sensor.y);
   const auto per_metre = static_cast<float>(1.0 / fields.cell_size);
   const auto inverse_squared_width = static_cast<float>(1.0 / (width * width));
+  const auto tile_side = static_cast<float>(MapTile::side * fields.cell_size);
   NormalEquations sum;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float lever_x = c * points.x[i] - s * points.y[i];
@@ -33,12 +34,13 @@ NormalEquations normal_equations(const MapFields& fields, const ScanPoints& poin
     if (!(x >= 0 && y >= 0)) { continue; }
     const auto cell_x = static_cast<std::int32_t>(x * per_metre);
     const auto cell_y = static_cast<std::int32_t>(y * per_metre);
-    if (!fields.line.contains(cell_x, cell_y)) { continue; }
-    const std::uint32_t index = fields.line.at(cell_x, cell_y);
+    const MapTile* const tile = fields.tile_at(cell_x, cell_y);
+    if (tile == nullptr) { continue; }
+    const std::uint16_t index = tile->line[MapTile::offset(cell_x, cell_y)];
     if (index == 0) { continue; }
-    const LinePiece& line = fields.lines[index - 1];
-    const float dx = x - line.x;
-    const float dy = y - line.y;
+    const LinePiece& line = tile->lines[index - 1];
+    const float dx = x - static_cast<float>(cell_x / MapTile::side) * tile_side - line.x;
+    const float dy = y - static_cast<float>(cell_y / MapTile::side) * tile_side - line.y;
     // M = n nᵀ + roundness · t tᵀ
     const float m_xx = line.normal_x * line.normal_x + line.roundness * line.normal_y * line.normal_y;
     const float m_xy = line.normal_x * line.normal_y * (1.0F - line.roundness);

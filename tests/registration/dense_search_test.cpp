@@ -26,8 +26,7 @@ std::vector<float> by_plain_loops(const MapFields& fields, const ScanPoints& poi
         for (std::size_t i = 0; i < points.size(); ++i) {
           const auto u = x + static_cast<int>(std::lround(c * points.x[i] - s * points.y[i]));
           const auto v = y + static_cast<int>(std::lround(s * points.x[i] + c * points.y[i]));
-          const bool inside = u >= 0 && v >= 0 && u < coarse.width && v < coarse.height;
-          sum += inside ? coarse.values.at(u + CoarseField::pad_x, v + CoarseField::pad_y) : coarse.unknown;
+          sum += coarse.value(u, v);
         }
         int& tile = best[{heading / static_cast<int>(params.headings_per_tile), y / 4, x / 4}];
         tile = std::max(tile, sum);
