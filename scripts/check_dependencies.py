@@ -17,7 +17,7 @@ ALLOWED = {
     "graph": {"core"},
     "slam": {"core", "features", "match", "grid", "registration", "map", "graph"},
     "sim": {"core", "grid"},
-    "eval": {"core", "features", "match", "grid", "registration", "map", "graph", "slam"},
+    "eval": {"core", "features", "match", "grid", "registration", "map", "graph", "slam", "sim"},
     "io": {"core", "features", "match", "grid", "registration", "map", "graph", "slam", "eval", "sim"},
     "report": {"core", "features", "match", "grid", "registration", "map", "graph", "slam", "eval", "io"},
 }

@@ -93,6 +93,7 @@ void add_simulate(CLI::App& program, Session& session);
 void add_evaluate(CLI::App& program, Session& session);
 void add_convert(CLI::App& program, Session& session);
 void add_bench(CLI::App& program, Session& session);
+void add_bench_buildings(CLI::App& bench, Session& session);
 void add_bench_localization(CLI::App& bench, Session& session);
 void add_bench_optimizers(CLI::App& bench, Session& session);
 

@@ -17,14 +17,10 @@ constexpr std::uint32_t n_min_last = 15;
 constexpr std::size_t n_min_count = n_min_last - n_min_first + 1;
 constexpr std::array strategies{PickBy::closest, PickBy::corresp, PickBy::residual};
 
-bool within(const Pose2& pose, const Pose2& truth, double max_distance, double max_heading) {
-  return distance(pose, truth) <= max_distance && heading_difference(pose, truth) <= max_heading;
-}
-
 /// How far a pose is from the truth, in units of the tolerance: what `closest` minimises.
 double error_in_tolerances(const Pose2& pose, const Pose2& truth, const LocalizationBenchParams& params) {
-  return std::max(distance(pose, truth) / params.correct_distance,
-                  heading_difference(pose, truth) / params.correct_heading);
+  return std::max(distance(pose, truth) / params.tolerance.correct_distance,
+                  heading_difference(pose, truth) / params.tolerance.correct_heading);
 }
 
 bool better(const Hypothesis& a, const Hypothesis& b, PickBy pick, const Pose2& truth,
@@ -72,8 +68,10 @@ LocalizationAnswer answer_from(const Hypothesis* best, std::size_t query, std::s
   answer.map_from_sensor = best->map_from_sensor;
   answer.inliers = best->inliers;
   answer.residual = best->residual;
-  answer.correct = within(best->map_from_sensor, truth, params.correct_distance, params.correct_heading);
-  answer.precise = within(best->map_from_sensor, truth, params.precise_distance, params.precise_heading);
+  answer.correct =
+      is_within(best->map_from_sensor, truth, params.tolerance.correct_distance, params.tolerance.correct_heading);
+  answer.precise =
+      is_within(best->map_from_sensor, truth, params.tolerance.precise_distance, params.tolerance.precise_heading);
   return answer;
 }
 
@@ -91,32 +89,6 @@ void judge_solution_set(const LocalizationResult& result, std::size_t query, con
       }
     }
   }
-}
-
-void judge_verdict(const LocalizationResult& result, const PlaceMap& map, std::size_t query, ScanInterval excluded,
-                   const Pose2& truth, const LocalizationBenchParams& params, Outcome& outcome) {
-  LocalizationAnswer answer{
-      .query = query, .strategy = "localize", .verdict = to_string(result.verdict), .reason = to_string(result.reason)};
-  if (const PoseHypothesis* best = result.best(); best != nullptr) {
-    answer.answered = true;
-    answer.reference = nearest_scan(map, best->map_from_sensor, excluded).value_or(0);
-    answer.map_from_sensor = best->map_from_sensor;
-    answer.confidence = result.confidence;
-    answer.correct = within(best->map_from_sensor, truth, params.correct_distance, params.correct_heading);
-    answer.precise = within(best->map_from_sensor, truth, params.precise_distance, params.precise_heading);
-    answer.points = result.points;
-    answer.evidence = best->evidence;
-    answer.margin = result.hypotheses.size() > 1 ? best->score - result.hypotheses[1].score
-                                                 : std::numeric_limits<double>::infinity();
-    if (result.solution_set) {
-      answer.inliers = result.solution_set->best()->inliers;
-      answer.residual = result.solution_set->best()->residual;
-    } else {
-      answer.inliers = static_cast<std::uint32_t>(std::lround(best->evidence.near * result.points));
-      answer.residual = best->evidence.residual;
-    }
-  }
-  outcome.answers.push_back(answer);
 }
 
 std::vector<std::uint32_t> bootstrap_blocks(const ScanLog& log, std::span<const std::size_t> queries, double length) {
@@ -163,11 +135,13 @@ RevisitSummary revisit_summary(std::span<const LocalizationAnswer> answers, std:
                                std::uint64_t seed) {
   RevisitSummary summary;
   std::vector<ScoredAnswer> scored;
+  std::vector<double> squared_errors;
   for (const LocalizationAnswer& answer : answers) {
     scored.push_back({answer.confidence, answer.answered, answer.correct, answer.answerable});
     const bool unique = answer.verdict == to_string(Verdict::unique);
     summary.unique_right.total += unique ? 1 : 0;
     summary.unique_right.hits += unique && answer.correct ? 1 : 0;
+    if (answer.correct) { squared_errors.push_back(answer.nees); }
     if (!answer.answerable) { continue; }
     ++summary.unique_found.total;
     summary.unique_found.hits += unique && answer.correct ? 1 : 0;
@@ -180,6 +154,7 @@ RevisitSummary revisit_summary(std::span<const LocalizationAnswer> answers, std:
       blocks, [&](std::size_t i) { return answers[i].answerable; }, [&](std::size_t i) { return answers[i].correct; },
       seed);
   summary.curve = precision_recall(scored);
+  summary.nees = coverage(squared_errors);
   constexpr std::array edges{0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 1.01};
   summary.reliability = reliability(scored, edges);
   return summary;
@@ -240,7 +215,8 @@ LocalizationBench bench_localization(const ScanLog& log, const PlaceMap& map, co
         const LocalizationResult result = localizers[thread]->localize(log.scans[query], excluded, &outcomes[k].times);
         const Pose2 truth = log.map_from_sensor(query);
         if (revisit) {
-          judge_verdict(result, map, query, excluded, truth, params, outcomes[k]);
+          outcomes[k].answers.push_back(answer_of(result, map, query, excluded));
+          compare_with_truth(outcomes[k].answers.back(), result, truth, params.tolerance);
         } else {
           judge_solution_set(result, query, truth, params, outcomes[k]);
         }
@@ -248,7 +224,7 @@ LocalizationBench bench_localization(const ScanLog& log, const PlaceMap& map, co
       progress);
 
   LocalizationBench bench{.queries = queries.size(), .map_scans = map.size()};
-  const std::vector<std::uint32_t> blocks = bootstrap_blocks(log, queries, params.block_length);
+  bench.blocks = bootstrap_blocks(log, queries, params.block_length);
   std::size_t pairs = 0;
   for (std::size_t k = 0; k < queries.size(); ++k) {
     bench.answerable += can_answer[k] ? 1 : 0;
@@ -263,10 +239,10 @@ LocalizationBench bench_localization(const ScanLog& log, const PlaceMap& map, co
       map.size() == 0 ? 0.0 : static_cast<double>(map.feature_count()) / static_cast<double>(map.size());
   bench.times = summarise_times(outcomes, pairs);
   if (revisit) {
-    bench.revisit = revisit_summary(bench.answers, blocks, params.seed);
+    bench.revisit = revisit_summary(bench.answers, bench.blocks, params.seed);
   } else {
     for (std::size_t s = 0; s < strategies.size(); ++s) {
-      bench.strategies.push_back(strategy_curve(outcomes, s, blocks, params.seed));
+      bench.strategies.push_back(strategy_curve(outcomes, s, bench.blocks, params.seed));
     }
   }
   return bench;

@@ -6,6 +6,8 @@
 #pragma once
 
 #include "flirt/core/scan.hpp"
+#include "flirt/eval/coverage.hpp"
+#include "flirt/eval/localization_answer.hpp"
 #include "flirt/eval/revisit.hpp"
 #include "flirt/eval/statistics.hpp"
 #include "flirt/map/localize.hpp"
@@ -35,35 +37,12 @@ constexpr auto enum_names(PickBy /*tag*/) {
 
 struct LocalizationBenchParams {
   LocalizationProtocol protocol{LocalizationProtocol::paper};
-  std::size_t every{1};                              ///< query every K-th scan
-  double correct_distance{0.5};                      ///< m, a pose farther from the truth is wrong
-  double correct_heading{radians_from_degrees(10)};  ///< rad
-  double precise_distance{0.25};                     ///< m, the stricter bound reported beside
-  double precise_heading{radians_from_degrees(5)};   ///< rad
-  double block_length{10.0};                         ///< m of path in one block of the bootstrap
+  std::size_t every{1};  ///< query every K-th scan
+  PoseTolerance tolerance{};
+  double block_length{10.0};  ///< m of path in one block of the bootstrap
   RevisitParams revisit{};
   LocalizeParams localize{};
   std::uint64_t seed{0};  ///< of the bootstrap
-};
-
-/// One answer of one strategy to one query.
-struct LocalizationAnswer {
-  std::size_t query{0};
-  std::string_view strategy{};  ///< closest, corresp, residual; under `revisit` localize
-  bool answerable{true};        ///< always true under `paper`
-  bool answered{false};         ///< false: the fields below mean nothing
-  std::size_t reference{0};     ///< scan of the log that the pose came from
-  Pose2 map_from_sensor{};
-  double confidence{0};
-  std::uint32_t inliers{0};
-  double residual{0};          ///< m²
-  std::string_view verdict{};  ///< unique, ambiguous, lost
-  std::string_view reason{};   ///< why
-  std::uint32_t points{0};     ///< end points used; 0 under `paper`, as are the next two
-  double margin{0};            ///< score less that of the second place; infinite without one
-  EvidenceScore evidence{};    ///< terms of the score
-  bool correct{false};
-  bool precise{false};
 };
 
 /// P1 Fig. 5: precision and recall of one strategy over the least number of inliers, over all queries.
@@ -89,6 +68,7 @@ struct RevisitSummary {
   std::vector<ReliabilityBin> reliability{};  ///< of the confidence
   Rate unique_right{};                        ///< right among all answers called unique, whoever asked
   Rate unique_found{};                        ///< answerable queries that were called unique and right
+  Coverage nees{};                            ///< of the stated covariances, over the right answers
 };
 
 struct LocalizationTimes {
@@ -112,6 +92,7 @@ struct LocalizationBench {
   std::optional<RevisitSummary> revisit{};  ///< under `revisit`
   LocalizationTimes times{};
   std::vector<LocalizationAnswer> answers{};  ///< one per query and strategy, in query order
+  std::vector<std::uint32_t> blocks{};        ///< block of trajectory of each query, for the bootstrap
 };
 
 /// Runs a protocol over the log, which needs poses (truth). `map` is the map of all its scans in log order. The answers

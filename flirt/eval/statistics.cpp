@@ -7,6 +7,42 @@
 #include <cmath>
 
 namespace flirt {
+namespace {
+
+/// Percentile interval of the mean of value(i) over the counted cases, by blocks; low > high when none is counted.
+template <class Value>
+Interval bootstrap_mean(std::span<const std::uint32_t> block, std::span<const bool> counted, std::uint64_t seed,
+                        std::size_t draws, const Value& value) {
+  struct Counts {
+    std::ptrdiff_t sum{0};
+    std::ptrdiff_t total{0};
+  };
+  std::vector<Counts> blocks;
+  for (std::size_t i = 0; i < block.size(); ++i) {
+    if (!counted[i]) { continue; }
+    blocks.resize(std::max<std::size_t>(blocks.size(), block[i] + 1));
+    ++blocks[block[i]].total;
+    blocks[block[i]].sum += value(i);
+  }
+  std::erase_if(blocks, [](const Counts& counts) { return counts.total == 0; });
+  if (blocks.empty()) { return {1, 0}; }
+
+  Rng rng(seed);
+  std::vector<double> means;
+  means.reserve(draws);
+  for (std::size_t draw = 0; draw < draws; ++draw) {
+    Counts drawn;
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      const Counts& picked = blocks[rng.below(static_cast<std::uint32_t>(blocks.size()))];
+      drawn.sum += picked.sum;
+      drawn.total += picked.total;
+    }
+    means.push_back(static_cast<double>(drawn.sum) / static_cast<double>(drawn.total));
+  }
+  return {quantile(means, 0.025), quantile(means, 0.975)};
+}
+
+}  // namespace
 
 Interval Rate::wilson() const {
   if (total == 0) { return {0, 1}; }
@@ -21,33 +57,39 @@ Interval Rate::wilson() const {
 Interval block_bootstrap(std::span<const std::uint32_t> block, std::span<const bool> counted, std::span<const bool> hit,
                          std::uint64_t seed, std::size_t draws) {
   FLIRT_ASSERT(block.size() == counted.size() && block.size() == hit.size());
-  struct Counts {
-    std::size_t hits{0};
-    std::size_t total{0};
-  };
-  std::vector<Counts> blocks;
-  for (std::size_t i = 0; i < block.size(); ++i) {
-    if (!counted[i]) { continue; }
-    blocks.resize(std::max<std::size_t>(blocks.size(), block[i] + 1));
-    ++blocks[block[i]].total;
-    blocks[block[i]].hits += hit[i] ? 1 : 0;
-  }
-  std::erase_if(blocks, [](const Counts& counts) { return counts.total == 0; });
-  if (blocks.empty()) { return {0, 1}; }
+  const Interval interval = bootstrap_mean(block, counted, seed, draws, [&](std::size_t i) { return hit[i] ? 1 : 0; });
+  return interval.low > interval.high ? Interval{0, 1} : interval;
+}
 
-  Rng rng(seed);
-  std::vector<double> rates;
-  rates.reserve(draws);
-  for (std::size_t draw = 0; draw < draws; ++draw) {
-    Counts sum;
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-      const Counts& picked = blocks[rng.below(static_cast<std::uint32_t>(blocks.size()))];
-      sum.hits += picked.hits;
-      sum.total += picked.total;
-    }
-    rates.push_back(static_cast<double>(sum.hits) / static_cast<double>(sum.total));
+Interval paired_block_bootstrap(std::span<const std::uint32_t> block, std::span<const bool> counted,
+                                std::span<const bool> first, std::span<const bool> second, std::uint64_t seed,
+                                std::size_t draws) {
+  FLIRT_ASSERT(block.size() == counted.size() && block.size() == first.size() && block.size() == second.size());
+  const Interval interval = bootstrap_mean(block, counted, seed, draws,
+                                           [&](std::size_t i) { return (second[i] ? 1 : 0) - (first[i] ? 1 : 0); });
+  return interval.low > interval.high ? Interval{-1, 1} : interval;
+}
+
+Disagreements disagreements(std::span<const bool> counted, std::span<const bool> first, std::span<const bool> second) {
+  FLIRT_ASSERT(counted.size() == first.size() && counted.size() == second.size());
+  Disagreements result;
+  for (std::size_t i = 0; i < counted.size(); ++i) {
+    if (!counted[i]) { continue; }
+    result.only_first += first[i] && !second[i] ? 1 : 0;
+    result.only_second += second[i] && !first[i] ? 1 : 0;
   }
-  return {quantile(rates, 0.025), quantile(rates, 0.975)};
+  return result;
+}
+
+double Disagreements::p_value() const {
+  const std::size_t tosses = only_first + only_second;
+  const auto n = static_cast<double>(tosses);
+  double tail = 0;  // P(at most the smaller count of heads), by log binomial coefficients: 2⁻ⁿ alone may underflow
+  for (std::size_t k = 0; k <= std::min(only_first, only_second); ++k) {
+    const auto heads = static_cast<double>(k);
+    tail += std::exp(std::lgamma(n + 1) - std::lgamma(heads + 1) - std::lgamma(n - heads + 1) - n * std::log(2.0));
+  }
+  return std::min(1.0, 2 * tail);
 }
 
 std::vector<PrecisionRecallPoint> precision_recall(std::span<const ScoredAnswer> answers) {

@@ -30,6 +30,25 @@ struct Rate {
 [[nodiscard]] Interval block_bootstrap(std::span<const std::uint32_t> block, std::span<const bool> counted,
                                        std::span<const bool> hit, std::uint64_t seed, std::size_t draws = 1000);
 
+/// Two methods on the same cases, counted where they disagree.
+struct Disagreements {
+  std::size_t only_first{0};   ///< cases that only the first got right
+  std::size_t only_second{0};  ///< cases that only the second got right
+
+  /// Two-sided p-value of McNemar's exact test (1947): were both equally good, each disagreement would be a toss of a
+  /// coin. 1 without disagreements. It takes the cases as independent; neighbouring scans are less than that.
+  [[nodiscard]] double p_value() const;
+};
+
+/// Over the cases that are counted.
+[[nodiscard]] Disagreements disagreements(std::span<const bool> counted, std::span<const bool> first,
+                                          std::span<const bool> second);
+
+/// 95 % percentile interval of second's share less first's, both in the same drawn blocks; else as block_bootstrap.
+[[nodiscard]] Interval paired_block_bootstrap(std::span<const std::uint32_t> block, std::span<const bool> counted,
+                                              std::span<const bool> first, std::span<const bool> second,
+                                              std::uint64_t seed, std::size_t draws = 1000);
+
 /// One query's answer, as a sweep over the confidence sees it.
 struct ScoredAnswer {
   double confidence{0};

@@ -9,15 +9,26 @@
 namespace flirt {
 namespace {
 
+/// Whether the map ever saw the place, in m from its origin.
+bool is_seen(const MapFields& fields, float x, float y) {
+  if (!(x >= 0 && y >= 0)) { return false; }
+  const auto per_metre = static_cast<float>(1.0 / fields.cell_size);
+  const auto cell_x = static_cast<std::int32_t>(x * per_metre);
+  const auto cell_y = static_cast<std::int32_t>(y * per_metre);
+  const MapTile* const tile = fields.tile_at(cell_x, cell_y);
+  return tile != nullptr && (tile->agreement[MapTile::offset(cell_x, cell_y)] & Agreement::unknown) == 0;
+}
+
 /// Σ w JᵀMJ and Σ w JᵀMr over the end points, in a frame at the fields' origin, rotation about the sensor.
 struct NormalEquations {
   float xx{0}, xy{0}, yy{0}, xt{0}, yt{0}, tt{0};  // upper triangle of the information matrix
   float gx{0}, gy{0}, gt{0};                       // gradient
   float weight{0};
+  float squared{0};  // m², Σ w r²
 };
 
 NormalEquations normal_equations(const MapFields& fields, const ScanPoints& points, const Pose2& origin_from_sensor,
-                                 double width) {
+                                 double width, double before) {
   const auto c = static_cast<float>(std::cos(origin_from_sensor.theta));
   const auto s = static_cast<float>(std::sin(origin_from_sensor.theta));
   const auto x0 = static_cast<float>(origin_from_sensor.x);
@@ -41,6 +52,10 @@ NormalEquations normal_equations(const MapFields& fields, const ScanPoints& poin
     const LinePiece& line = tile->lines[index - 1];
     const float dx = x - static_cast<float>(cell_x / MapTile::side) * tile_side - line.x;
     const float dy = y - static_cast<float>(cell_y / MapTile::side) * tile_side - line.y;
+    if (before > 0 && points.range[i] > 0) {  // of joined scans no beam is known
+      const float share = static_cast<float>(before) / points.range[i];
+      if (!is_seen(fields, x - dx - share * lever_x, y - dy - share * lever_y)) { continue; }
+    }
     // M = n nᵀ + roundness · t tᵀ
     const float m_xx = line.normal_x * line.normal_x + line.roundness * line.normal_y * line.normal_y;
     const float m_xy = line.normal_x * line.normal_y * (1.0F - line.roundness);
@@ -62,6 +77,7 @@ NormalEquations normal_equations(const MapFields& fields, const ScanPoints& poin
     sum.gy += w * r_y;
     sum.gt += w * (lever_x * r_y - lever_y * r_x);
     sum.weight += w;
+    sum.squared += w * squared;
   }
   return sum;
 }
@@ -70,6 +86,14 @@ Eigen::Matrix3d information_of(const NormalEquations& sum) {
   Eigen::Matrix3d information;
   information << sum.xx, sum.xy, sum.xt, sum.xy, sum.yy, sum.yt, sum.xt, sum.yt, sum.tt;
   return information;
+}
+
+/// What all variances are multiplied by: see `refine`.
+double inflation(const NormalEquations& sum, double support, const RefineParams& params) {
+  constexpr double smallest_residual = 0.004;  // m, of few points that happen to agree
+  const double mean_square = sum.weight > 0 ? static_cast<double>(sum.squared / sum.weight) : 0.0;
+  const double square = std::max(mean_square, smallest_residual * smallest_residual);
+  return square / (params.usual_residual * params.usual_residual) * std::exp(params.unexplained * (1 - support));
 }
 
 }  // namespace
@@ -82,7 +106,7 @@ RefinedPose refine(const MapFields& fields, const ScanPoints& points, const Pose
   const Eigen::Matrix3d stay = Eigen::Vector3d(1e-2, 1e-2, 1e-2).asDiagonal();
   NormalEquations sum;
   for (std::uint32_t i = 0; i < params.iterations; ++i) {
-    sum = normal_equations(fields, points, pose, width);
+    sum = normal_equations(fields, points, pose, width, params.before);
     const Eigen::Vector3d gradient(sum.gx, sum.gy, sum.gt);
     const Eigen::Vector3d step = -(information_of(sum) + stay).ldlt().solve(gradient);
     pose = {pose.x + step.x(), pose.y + step.y(), wrap_angle(pose.theta + step.z())};
@@ -90,13 +114,15 @@ RefinedPose refine(const MapFields& fields, const ScanPoints& points, const Pose
     if (small && width <= params.end_width) { break; }
     width = std::max(params.end_width, params.shrink * width);
   }
-  sum = normal_equations(fields, points, pose, params.end_width);
-  const double variance = params.range_sigma * params.range_sigma;
-  const Eigen::Matrix3d information = information_of(sum) / variance + Eigen::Matrix3d::Identity();
-  RefinedPose refined{{pose.x + fields.origin.x, pose.y + fields.origin.y, pose.theta}, information.inverse(), 0};
-  refined.covariance.diagonal() +=
-      Eigen::Vector3d(params.common_translation, params.common_translation, params.common_rotation).cwiseAbs2();
+  sum = normal_equations(fields, points, pose, params.end_width, params.before);
+  RefinedPose refined{{pose.x + fields.origin.x, pose.y + fields.origin.y, pose.theta}};
   refined.support = points.size() == 0 ? 0.0 : sum.weight / static_cast<double>(points.size());
+  const double inflated = inflation(sum, refined.support, params);
+  const double variance = inflated * params.residual_sigma * params.residual_sigma;
+  const Eigen::Vector3d common(params.common_translation, params.common_translation, params.common_rotation);
+  const Eigen::Matrix3d information = information_of(sum) / variance + Eigen::Matrix3d::Identity();
+  refined.covariance = information.inverse();
+  refined.covariance.diagonal() += inflated * common.cwiseAbs2();
   return refined;
 }
 

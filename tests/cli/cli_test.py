@@ -218,6 +218,45 @@ class Cli(unittest.TestCase):
                 self.assertAlmostEqual(correct / result["queries"], result["strategies"]["residual"]["p_gl"])
             self.assertIn("<svg", (out / "report.html").read_text())
 
+    def test_bench_localization_counts_distractors_apart(self):
+        out = self.work / "distractors"
+        other = self.work / "elsewhere.log"
+        self.ok("simulate", "-o", other, "--office-area", 200, "--rounds", 1, "--office-seed", 9, "--seed", 9,
+                   "--log-poses", "truth")
+        result = self.json("bench", "localization", self.log, "--protocol", "revisit", "--every", 80, "--distractors",
+                           other, "-o", out)
+        found = result["revisit"]["distractors"]
+        self.assertGreater(found["queries"], 0)
+        self.assertAlmostEqual(found["rate"], found["unique"] / found["queries"])
+        self.assertEqual(sum(found["confidence_tenths"]), found["queries"])
+        self.assertEqual(set(result["revisit"]["nees"]),
+                         {"answers", "within_50", "within_90", "within_95", "within_95_wilson", "median"})
+        with open(out / "queries.csv", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        others = [row for row in rows if row["strategy"] == "distractor:1"]
+        self.assertEqual(len(others), found["queries"])
+        self.assertEqual(len(rows), result["queries"] + found["queries"])
+        self.assertEqual({(row["answerable"], row["correct"]) for row in others}, {("0", "0")})
+        self.assertEqual(sum(row["verdict"] == "unique" for row in others), found["unique"])
+
+    def test_bench_localization_compares_variants_with_full(self):
+        result = self.json("bench", "localization", self.log, "--protocol", "revisit", "--every", 80, "--ablation",
+                           "--variants", "no-through,papers")
+        self.assertEqual([row["name"] for row in result["ablation"]], ["full", "no-through", "papers"])
+        for row in result["ablation"]:
+            self.assertLessEqual(row["mcnemar_p"], 1)
+        wrong = run("bench", "localization", self.log, "--protocol", "revisit", "--ablation", "--variants", "x")
+        self.assertEqual(wrong.returncode, 1)
+        self.assertIn("no-through", wrong.stderr)
+
+    def test_bench_buildings_asks_offices_and_grid_maps(self):
+        result = self.json("bench", "buildings", "--office-area", 200, "--queries", 6, "--fields-of-view", 360,
+                           "--people", "0,20")
+        self.assertEqual([row["building"] for row in result["buildings"]], ["office 1", "office 1"])
+        self.assertGreater(result["buildings"][1]["people"], 0.15)
+        for row in result["buildings"]:
+            self.assertLessEqual(row["success"]["of"] + row["twins"]["of"], 6)
+
 
 if __name__ == "__main__":
     FLIRT = sys.argv.pop(1)

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -43,6 +44,63 @@ TEST(BlockBootstrap, IsWiderWhenCasesOfABlockAgree) {
   const Interval blocked = block_bootstrap(large, {counted.get(), n}, {hit.get(), n}, 1);
   EXPECT_NEAR(independent.high - independent.low, 2 * 1.96 * 0.5 / 31.6, 0.01);
   EXPECT_GT(blocked.high - blocked.low, 5 * (independent.high - independent.low));
+}
+
+TEST(McNemar, IsTheExactChanceOfAnUnevenCoin) {
+  // Ten disagreements, two of them for the second: 2 · (1 + 10 + 45) / 1024.
+  EXPECT_NEAR((Disagreements{8, 2}.p_value()), 112.0 / 1024, 1e-12);
+  EXPECT_NEAR((Disagreements{2, 8}.p_value()), 112.0 / 1024, 1e-12);
+  EXPECT_NEAR((Disagreements{5, 0}.p_value()), 2.0 / 32, 1e-12);
+  EXPECT_NEAR((Disagreements{1, 6}.p_value()), 2.0 * (1 + 7) / 128, 1e-12);
+}
+
+TEST(McNemar, SaysNothingAgainstEqualMethods) {
+  EXPECT_DOUBLE_EQ(Disagreements{}.p_value(), 1);
+  EXPECT_DOUBLE_EQ((Disagreements{3, 3}.p_value()), 1);
+  EXPECT_DOUBLE_EQ((Disagreements{1, 0}.p_value()), 1);
+}
+
+TEST(McNemar, HoldsForThousandsOfDisagreements) {
+  // Normal approximation with the continuity correction: z = (2600 − 2400 − 1) / √5000 = 2.814.
+  EXPECT_NEAR((Disagreements{2600, 2400}.p_value()), 0.00489, 2e-5);
+  EXPECT_LT((Disagreements{5000, 0}.p_value()), 1e-300);
+}
+
+TEST(McNemar, CountsOnlyCasesThatCount) {
+  constexpr std::array counted{true, true, true, false, true};
+  constexpr std::array first{true, true, false, true, true};
+  constexpr std::array second{true, false, true, false, false};
+  const Disagreements found = disagreements(counted, first, second);
+  EXPECT_EQ(found.only_first, 2U);
+  EXPECT_EQ(found.only_second, 1U);
+}
+
+TEST(PairedBlockBootstrap, SeesADifferenceThatTheSpreadOfTheSharesHides) {
+  // Blocks are all right or all wrong by the first; the second loses the last case of each block that was right.
+  constexpr std::size_t n = 400;
+  const auto counted = std::make_unique<bool[]>(n);
+  const auto first = std::make_unique<bool[]>(n);
+  const auto second = std::make_unique<bool[]>(n);
+  std::vector<std::uint32_t> block(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    counted[i] = true;
+    first[i] = (i / 10) % 2 == 0;
+    second[i] = first[i] && i % 10 != 9;
+    block[i] = static_cast<std::uint32_t>(i / 10);
+  }
+  const Interval alone = block_bootstrap(block, {counted.get(), n}, {first.get(), n}, 1);
+  const Interval paired = paired_block_bootstrap(block, {counted.get(), n}, {first.get(), n}, {second.get(), n}, 1);
+  EXPECT_LT(paired.high, 0);
+  EXPECT_LT(paired.low, -0.05);
+  EXPECT_GT(paired.low, -0.1);
+  EXPECT_GT(alone.high - alone.low, 4 * (paired.high - paired.low));
+}
+
+TEST(PairedBlockBootstrap, KnowsNothingWithoutCases) {
+  constexpr std::array none{false};
+  const std::vector<std::uint32_t> block{0};
+  EXPECT_EQ(paired_block_bootstrap(block, none, none, none, 1).low, -1);
+  EXPECT_EQ(paired_block_bootstrap(block, none, none, none, 1).high, 1);
 }
 
 TEST(PrecisionRecall, SweepsFromTheMostConfidentAnswerDown) {

@@ -1,0 +1,126 @@
+#include "flirt/eval/ablation.hpp"
+
+#include "flirt/core/assert.hpp"
+
+#include <cstdint>
+#include <memory>
+
+namespace flirt {
+namespace {
+
+/// Variants that change the search for candidates and their refinement.
+void add_search_variants(const LocalizeParams& full, std::vector<AblationVariant>& variants) {
+  const auto add = [&](std::string_view name, std::string_view meaning, const auto& change) {
+    variants.push_back({name, meaning, full});
+    change(variants.back().params);
+  };
+  add("no-coarse-penalty", "coarse search does not tell free from unknown space",
+      [](LocalizeParams& params) { params.fields.free_penalty = 0; });
+  add("no-ranking-rays", "coarse candidates ranked by their end points alone", [](LocalizeParams& params) {
+    params.search.ray_weight = 0;
+    params.search.ranking_rays = 1;
+  });
+  add("few-candidates", "100 coarse tiles kept instead of 1500",
+      [](LocalizeParams& params) { params.search.dense.candidates = 100; });
+  add("no-refinement", "coarse poses scored as they are, 0.2 m and 3° apart",
+      [](LocalizeParams& params) { params.search.refine.iterations = 0; });
+  add("correlative", "no lines: poses 0.1 m and 1° apart scored as they are", [](LocalizeParams& params) {
+    params.method = LocalizeMethod::dense;
+    params.fields.coarse_factor = 2;
+    params.fields.likelihood_sigma = 0.1;
+    params.search.dense.heading_step = radians_from_degrees(1);
+    params.search.refine.iterations = 0;
+  });
+  add("blind-sides", "scans drawn onto surfaces that were only seen from their other side, too",
+      [](LocalizeParams& params) { params.search.refine.before = 0; });
+  add("dense", "every heading at every place", [](LocalizeParams& params) { params.method = LocalizeMethod::dense; });
+  add("features", "only where keypoints vote for",
+      [](LocalizeParams& params) { params.method = LocalizeMethod::features; });
+  add("papers", "matches with single map scans, by their keypoints",
+      [](LocalizeParams& params) { params.method = LocalizeMethod::papers; });
+}
+
+/// Variants that change the score, or the confidence that comes of it.
+void add_score_variants(const LocalizeParams& full, std::vector<AblationVariant>& variants) {
+  const auto add = [&](std::string_view name, std::string_view meaning, const auto& change) {
+    variants.push_back({name, meaning, full});
+    change(variants.back().params);
+  };
+  add("no-through", "beams may cross walls in the score",
+      [](LocalizeParams& params) { params.search.score.through = 0; });
+  add("no-free", "end points may lie in free space in the score",
+      [](LocalizeParams& params) { params.search.score.free = 0; });
+  add("no-unknown", "unseen space is worth nothing in the score",
+      [](LocalizeParams& params) { params.search.score.unknown = 0; });
+  add("end-points-only", "the three before together", [](LocalizeParams& params) {
+    params.search.score.through = 0;
+    params.search.score.free = 0;
+    params.search.score.unknown = 0;
+  });
+  add("margin-only", "confidence without the shares of unseen end points and crossing beams",
+      [](LocalizeParams& params) {
+        params.verdict.unknown = 0;
+        params.verdict.through = 0;
+      });
+  add("no-margin", "confidence without the margin to the second place",
+      [](LocalizeParams& params) { params.verdict.margin = 0; });
+}
+
+/// Flags of one kind of all answers, as the statistics want them.
+template <class Flag>
+std::unique_ptr<bool[]> flags(std::span<const LocalizationAnswer> answers, const Flag& flag) {
+  const auto count = static_cast<std::uint32_t>(answers.size());  // a size that GCC 12 knows to be sane
+  auto result = std::make_unique<bool[]>(count);
+  for (std::uint32_t i = 0; i < count; ++i) { result[i] = flag(answers[i]); }
+  return result;
+}
+
+AblationRow row_of(const AblationVariant& variant, const LocalizationBench& bench, const LocalizationBench& full,
+                   std::uint64_t seed) {
+  FLIRT_ASSERT(bench.revisit && bench.answers.size() == full.answers.size());
+  const std::size_t n = bench.answers.size();
+  const auto is_correct = [](const LocalizationAnswer& answer) { return answer.correct; };
+  const auto counted = flags(full.answers, [](const LocalizationAnswer& answer) { return answer.answerable; });
+  const auto first = flags(full.answers, is_correct);
+  const auto second = flags(bench.answers, is_correct);
+  const RevisitSummary& summary = *bench.revisit;
+  return {
+      .name = variant.name,
+      .meaning = variant.meaning,
+      .success = summary.success,
+      .recall_at_99 = recall_at_precision(summary.curve, 0.99),
+      .unique_found = summary.unique_found.value(),
+      .query_median_us = bench.times.per_query_median,
+      .from_full = disagreements({counted.get(), n}, {first.get(), n}, {second.get(), n}),
+      .difference = paired_block_bootstrap(full.blocks, {counted.get(), n}, {first.get(), n}, {second.get(), n}, seed)};
+}
+
+}  // namespace
+
+std::vector<AblationVariant> ablation_variants(const LocalizeParams& full) {
+  std::vector<AblationVariant> variants{{"full", "everything", full}};
+  add_score_variants(full, variants);
+  add_search_variants(full, variants);
+  return variants;
+}
+
+std::vector<AblationRow> ablate(const ScanLog& log, const PlaceMap& map, const LocalizationBenchParams& params,
+                                std::span<const AblationVariant> variants, std::size_t threads,
+                                const Progress& progress) {
+  std::vector<AblationRow> rows;
+  LocalizationBench full;
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    LocalizationBenchParams asked = params;
+    asked.protocol = LocalizationProtocol::revisit;
+    asked.localize = variants[i].params;
+    const Progress part = [&](double done) {
+      if (progress) { progress((static_cast<double>(i) + done) / static_cast<double>(variants.size())); }
+    };
+    LocalizationBench bench = bench_localization(log, map, asked, threads, part);
+    rows.push_back(row_of(variants[i], bench, i == 0 ? bench : full, params.seed));
+    if (i == 0) { full = std::move(bench); }
+  }
+  return rows;
+}
+
+}  // namespace flirt
