@@ -9,6 +9,7 @@
 #include "apps/flirt/command.hpp"
 #include "apps/flirt/localize_flags.hpp"
 #include "apps/flirt/localize_report.hpp"
+#include "apps/flirt/localize_track.hpp"
 
 #include <fmt/format.h>
 
@@ -33,6 +34,8 @@ struct Options {
   std::string out;
   bool summary_only{false};
   bool samples{false};
+  bool track{false};
+  TrackerParams tracker;
   LocalizeFlags flags;
   LocalizeParams localize;
   ParamFlags params;
@@ -147,6 +150,9 @@ std::optional<Pose2> pose_in_log(const ScanLog& log, std::size_t scan) {
 }
 
 void check_options(const Options& options, const PlaceMap& map) {
+  if (options.track && options.localize.method == LocalizeMethod::papers) {
+    throw UsageError("--track: expected --method auto, dense or features with it, found papers");
+  }
   if (!options.svg.empty() && !options.scan) { throw UsageError("--svg: expected --scan with it, to show one scan"); }
   if (options.samples && options.localize.method != LocalizeMethod::papers) {
     throw UsageError("--samples: expected --method papers with it, whose matches are the samples");
@@ -227,12 +233,34 @@ void write_pictures(const Options& options, const PlaceMap& map, const ScanLog& 
   value_or_quit(write_file_atomically(out / "report.html", localize_report(title, outcomes, points, examples)));
 }
 
+/// --track: all scans in order.
+int run_track(Options& options, const Session& session, const PlaceMap& map, const ScanLog& log) {
+  options.tracker.localize = options.localize;
+  options.tracker.seed = session.seed;
+  const std::vector<TrackedScan> tracked = track(map, log, options.tracker, session);
+  nlohmann::ordered_json json{{"map", options.map}, {"log", options.log}};
+  json.update(track_json(log, tracked));
+  json["method"] = options.flags.method();
+  json["params"] = options.params.json();
+  json["seed"] = session.seed;
+  json.update(provenance());
+  write_json(session, json);
+  if (session.talks()) {
+    for (std::size_t i = 0; i < tracked.size() && !options.summary_only; ++i) {
+      fmt::print("{}\n", track_line(i, tracked[i]));
+    }
+    fmt::print("{}", track_text(log, tracked));
+  }
+  return summarise(tracked).unique == 0 ? exit_not_found : exit_done;
+}
+
 int run(Options& options, const Session& session) {
   options.params.resolve(session.config);
   options.localize = options.flags.localize(session.seed);
   const PlaceMap map = value_or_quit(read_place_map(options.map));
   check_options(options, map);
   const LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
+  if (options.track) { return run_track(options, session, map, loaded.log); }
   const std::vector<Answer> found = answers(options, map, loaded.log, session);
   std::vector<LocalizedScan> outcomes;
   nlohmann::ordered_json json{{"map", options.map}, {"log", options.log}, {"queries", nlohmann::ordered_json::array()}};
@@ -275,7 +303,14 @@ void add_localize(CLI::App& program, Session& session) {
   command->add_flag("--summary", options->summary_only, "print the summary alone, not a line for each scan");
   command->add_flag("--samples", options->samples,
                     "with --method papers, add every match to the JSON: weighted samples of p(pose | scan, map)");
+  CLI::Option* track =
+      command->add_flag("--track", options->track, "follow the robot through all scans in order, by the log's odometry")
+          ->excludes(scan);
+  for (const char* other : {"--every", "--hypotheses", "--svg", "--output", "--samples"}) {
+    track->excludes(command->get_option(other));
+  }
   options->flags.add(*command, options->params);
+  options->params.add(*command, "track", options->tracker);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

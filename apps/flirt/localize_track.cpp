@@ -1,0 +1,172 @@
+#include "apps/flirt/localize_track.hpp"
+
+#include "flirt/core/stopwatch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace flirt::app {
+namespace {
+
+bool agrees(const TrackedScan& tracked) {
+  return tracked.pose_in_log && distance(tracked.step.map_from_robot, *tracked.pose_in_log) <= 0.5 &&
+         heading_difference(tracked.step.map_from_robot, *tracked.pose_in_log) <= radians_from_degrees(10);
+}
+
+nlohmann::ordered_json json_or_null(const std::optional<std::size_t>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+std::vector<double> entries_of(const Eigen::Matrix3d& matrix) {
+  std::vector<double> entries;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) { entries.push_back(matrix(row, column)); }
+  }
+  return entries;
+}
+
+nlohmann::ordered_json step_json(std::size_t scan, const TrackedScan& tracked) {
+  const TrackStep& step = tracked.step;
+  nlohmann::ordered_json json{{"scan", scan}, {"verdict", to_string(step.verdict)}};
+  if (!step.clusters.empty()) {
+    const Pose2& pose = step.map_from_robot;
+    json.update({{"x", pose.x}, {"y", pose.y}, {"theta", pose.theta}, {"covariance", entries_of(step.covariance)}});
+    if (tracked.pose_in_log) { json["agrees"] = agrees(tracked); }
+  }
+  json.update({{"share", step.share},
+               {"score", step.score},
+               {"effective", step.effective},
+               {"clusters", step.clusters.size()},
+               {"searched", step.searched},
+               {"injected", step.injected},
+               {"time_us", tracked.time_us}});
+  return json;
+}
+
+nlohmann::ordered_json summary_json(const TrackSummary& summary) {
+  return {{"scans", summary.scans},
+          {"until_localized", json_or_null(summary.until_localized)},
+          {"until_rightly_localized", json_or_null(summary.until_rightly_localized)},
+          {"unique", summary.unique},
+          {"ambiguous", summary.ambiguous},
+          {"lost", summary.lost},
+          {"right", json_or_null(summary.right)},
+          {"wrong", json_or_null(summary.wrong)},
+          {"wrong_convergences", json_or_null(summary.wrong_convergences)},
+          {"searches", summary.searches},
+          {"injections", summary.injections}};
+}
+
+std::string count_text(const std::optional<std::size_t>& scans) {
+  return scans ? fmt::format("{}", *scans) : std::string("never");
+}
+
+}  // namespace
+
+bool TrackedScan::is_right() const {
+  return step.verdict == Verdict::unique && agrees(*this);
+}
+
+bool TrackedScan::is_wrong() const {
+  return step.verdict == Verdict::unique && pose_in_log && !agrees(*this);
+}
+
+TrackSummary summarise(std::span<const TrackedScan> scans) {
+  TrackSummary summary{.scans = scans.size()};
+  const bool has_poses = !scans.empty() && scans.front().pose_in_log.has_value();
+  std::size_t right = 0;
+  std::size_t wrong = 0;
+  std::size_t convergences = 0;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    const TrackStep& step = scans[i].step;
+    summary.unique += step.verdict == Verdict::unique ? 1U : 0U;
+    summary.ambiguous += step.verdict == Verdict::ambiguous ? 1U : 0U;
+    summary.lost += step.verdict == Verdict::lost ? 1U : 0U;
+    summary.searches += step.searched ? 1U : 0U;
+    summary.injections += step.injected ? 1U : 0U;
+    if (step.verdict == Verdict::unique && !summary.until_localized) { summary.until_localized = i + 1; }
+    if (scans[i].is_right() && !summary.until_rightly_localized) { summary.until_rightly_localized = i + 1; }
+    right += scans[i].is_right() ? 1U : 0U;
+    wrong += scans[i].is_wrong() ? 1U : 0U;
+    convergences += scans[i].is_wrong() && (i == 0 || !scans[i - 1].is_wrong()) ? 1U : 0U;
+  }
+  if (has_poses) {
+    summary.right = right;
+    summary.wrong = wrong;
+    summary.wrong_convergences = convergences;
+  }
+  return summary;
+}
+
+std::string odometry_kind(const ScanLog& log) {
+  if (std::ranges::none_of(log.scans, [](const Scan& scan) { return scan.odom_from_robot.has_value(); })) {
+    return "none";
+  }
+  if (log.map_from_robot.empty()) { return "own"; }
+  for (std::size_t i = 0; i < log.scans.size(); ++i) {
+    if (log.scans[i].odom_from_robot != log.map_from_robot[i]) { return "own"; }
+  }
+  return "repeats_poses";
+}
+
+std::vector<TrackedScan> track(const PlaceMap& map, const ScanLog& log, const TrackerParams& params,
+                               const Session& session) {
+  Tracker tracker(map, params, session.threads);
+  const Progress progress = progress_bar(session, "tracking");
+  std::vector<TrackedScan> tracked;
+  tracked.reserve(log.scans.size());
+  for (std::size_t i = 0; i < log.scans.size(); ++i) {
+    Stopwatch stopwatch;
+    TrackStep step = tracker.add(log.scans[i]);
+    const double time_us = stopwatch.lap_us();
+    tracked.push_back({.step = std::move(step), .time_us = time_us});
+    if (!log.map_from_robot.empty()) { tracked.back().pose_in_log = log.map_from_robot[i]; }
+    if (progress) { progress(static_cast<double>(i + 1) / static_cast<double>(log.scans.size())); }
+  }
+  return tracked;
+}
+
+nlohmann::ordered_json track_json(const ScanLog& log, std::span<const TrackedScan> scans) {
+  nlohmann::ordered_json json{{"odometry", odometry_kind(log)}, {"summary", summary_json(summarise(scans))}};
+  json["steps"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < scans.size(); ++i) { json["steps"].push_back(step_json(i, scans[i])); }
+  return json;
+}
+
+std::string track_line(std::size_t scan, const TrackedScan& tracked) {
+  const TrackStep& step = tracked.step;
+  std::string line = fmt::format("scan {:>5}  {:<9}", scan, to_string(step.verdict));
+  if (step.clusters.empty()) { return line; }
+  const Pose2& pose = step.map_from_robot;
+  line += fmt::format("  x {:8.3f} m  y {:8.3f} m  {:7.2f} deg  share {:.3f}  score {:5.2f}  effective {:.0f}", pose.x,
+                      pose.y, degrees_from_radians(pose.theta), step.share, step.score, step.effective);
+  if (tracked.pose_in_log) {
+    line += fmt::format("  {:.3f} m {:.2f} deg from the log's pose", distance(pose, *tracked.pose_in_log),
+                        degrees_from_radians(heading_difference(pose, *tracked.pose_in_log)));
+  }
+  return step.injected ? line + "  drawn from hypotheses" : line;
+}
+
+std::string track_text(const ScanLog& log, std::span<const TrackedScan> scans) {
+  const TrackSummary summary = summarise(scans);
+  std::string text;
+  const std::string odometry = odometry_kind(log);
+  if (odometry == "repeats_poses") {
+    text += "the odometry of this log repeats its poses (it was corrected): motion is better than a robot's own\n";
+  } else if (odometry == "none") {
+    text += "this log has no odometry: the robot is taken to stand between scans\n";
+  }
+  text += fmt::format("{} scans: {} unique, {} ambiguous, {} lost; localized after {} scans; {} searches, {} draws\n",
+                      summary.scans, summary.unique, summary.ambiguous, summary.lost,
+                      count_text(summary.until_localized), summary.searches, summary.injections);
+  if (summary.right) {
+    text += fmt::format(
+        "against the log's poses: {} right, {} wrong of the unique, {} wrong convergences; rightly "
+        "localized after {} scans\n",
+        *summary.right, *summary.wrong, *summary.wrong_convergences, count_text(summary.until_rightly_localized));
+  }
+  return text;
+}
+
+}  // namespace flirt::app
