@@ -234,7 +234,8 @@ void write_pictures(const Options& options, const PlaceMap& map, const ScanLog& 
 }
 
 /// --track: all scans in order.
-int run_track(Options& options, const Session& session, const PlaceMap& map, const ScanLog& log) {
+int run_track(Options& options, const Session& session, const PlaceMap& map, LoadedLog loaded) {
+  const ScanLog log = with_odometry(std::move(loaded));
   options.tracker.localize = options.localize;
   options.tracker.seed = session.seed;
   const std::vector<TrackedScan> tracked = track(map, log, options.tracker, session);
@@ -260,7 +261,7 @@ int run(Options& options, const Session& session) {
   const PlaceMap map = value_or_quit(read_place_map(options.map));
   check_options(options, map);
   const LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
-  if (options.track) { return run_track(options, session, map, loaded.log); }
+  if (options.track) { return run_track(options, session, map, loaded); }
   const std::vector<Answer> found = answers(options, map, loaded.log, session);
   std::vector<LocalizedScan> outcomes;
   nlohmann::ordered_json json{{"map", options.map}, {"log", options.log}, {"queries", nlohmann::ordered_json::array()}};

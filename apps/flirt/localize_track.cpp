@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace flirt::app {
 namespace {
@@ -97,6 +98,15 @@ TrackSummary summarise(std::span<const TrackedScan> scans) {
     summary.wrong_convergences = convergences;
   }
   return summary;
+}
+
+ScanLog with_odometry(LoadedLog loaded) {
+  if (loaded.report.odometry_repeats_pose) {
+    for (std::size_t i = 0; i < loaded.log.scans.size(); ++i) {
+      loaded.log.scans[i].odom_from_robot = loaded.log.map_from_robot[i];
+    }
+  }
+  return std::move(loaded.log);
 }
 
 std::string odometry_kind(const ScanLog& log) {

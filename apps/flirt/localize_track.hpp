@@ -2,6 +2,7 @@
 #pragma once
 
 #include "flirt/core/scan.hpp"
+#include "flirt/io/log.hpp"
 #include "flirt/map/place_map.hpp"
 #include "flirt/map/tracker.hpp"
 
@@ -43,6 +44,9 @@ struct TrackSummary {
   std::size_t injections{0};
 };
 [[nodiscard]] TrackSummary summarise(std::span<const TrackedScan> scans);
+
+/// The log; where its odometry repeated its corrected poses and the reader left it out, with those as odometry.
+[[nodiscard]] ScanLog with_odometry(LoadedLog loaded);
 
 /// What the odometry of a log is: "none", "repeats_poses" (a corrected log), or "own".
 [[nodiscard]] std::string odometry_kind(const ScanLog& log);
