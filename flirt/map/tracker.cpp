@@ -130,7 +130,8 @@ TrackStep Tracker::add(const Scan& scan, ScanInterval excluded) {
   }
   const auto score = [&] { score_particles(localizer_.fields(excluded), points, scan.robot_from_sensor); };
   score();
-  if (points.size() != 0) { weigh(particles_, params_.score_odds); }
+  const bool is_uniform = params_.initialisation == TrackInitialisation::uniform;
+  if (points.size() != 0) { weigh(particles_, is_uniform ? params_.uniform_odds : params_.score_odds); }
   if (search_due()) {
     step.searched = true;
     since_search_ = 0;

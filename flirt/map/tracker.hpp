@@ -47,6 +47,7 @@ struct TrackerParams {
   std::uint32_t uniform_particles{20000};  ///< with `uniform`, from start to end
   std::uint32_t particle_points{60};       ///< end points of a scan that particles are weighted by, evenly picked
   double score_odds{0.4};                  ///< log odds of two poses per unit of score between them, from one scan
+  double uniform_odds{0.2};                ///< the same with `uniform`: sparse particles need a smoother likelihood
   double resample_below{0.5};              ///< share of effective particles below which they are drawn anew
   std::uint32_t join_scans{4};             ///< scans, with this one, that are searched for together
   std::uint32_t check_every{8};            ///< scans between searches while the robot is tracked
@@ -73,6 +74,7 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.uniform_particles, Field{"uniform_particles", "", "spread out with uniform", 1, 1e7});
   visit(params.particle_points, Field{"particle_points", "", "end points that weight a particle", 1, 1e5});
   visit(params.score_odds, Field{"score_odds", "", "log odds of poses per unit of score", 0, 100});
+  visit(params.uniform_odds, Field{"uniform_odds", "", "log odds of poses per unit of score, with uniform", 0, 100});
   visit(params.resample_below, Field{"resample_below", "1", "share of effective particles to draw anew below", 0, 1});
   visit(params.join_scans, Field{"join_scans", "", "scans that are searched for together", 1, 1000});
   visit(params.check_every, Field{"check_every", "", "scans between searches while tracked", 1, 1e6});
