@@ -171,6 +171,7 @@ TEST(Tracker, HypothesesNeedFewerScansThanParticlesAllOverTheMap) {
   // One room, so that plain Monte Carlo localization has a fair chance, too.
   const PlaceMap map = build_place_map(log_of(furnished_room(), poses_around(1.2, 8))).value();
   std::vector<Pose2> poses;
+  poses.reserve(30);
   for (int i = 0; i < 30; ++i) { poses.push_back({-1.5 + 0.1 * i, 0.5 - 0.05 * i, 0.03 * i}); }
   ScanLog drive = log_of(furnished_room(), poses);
   for (std::size_t i = 0; i < poses.size(); ++i) { drive.scans[i].odom_from_robot = poses[i]; }
