@@ -5,6 +5,7 @@
 #include "flirt/io/file.hpp"
 #include "flirt/io/flirt_map.hpp"
 #include "flirt/io/log.hpp"
+#include "flirt/registration/join_scans.hpp"
 
 #include "apps/flirt/command.hpp"
 #include "apps/flirt/localize_flags.hpp"
@@ -30,6 +31,7 @@ struct Options {
   std::optional<std::size_t> scan;
   std::size_t every{1};
   std::size_t hypotheses{10};
+  std::size_t join{1};
   std::string svg;
   std::string out;
   bool summary_only{false};
@@ -153,6 +155,9 @@ void check_options(const Options& options, const PlaceMap& map) {
   if (options.track && options.localize.method == LocalizeMethod::papers) {
     throw UsageError("--track: expected --method auto, dense or features with it, found papers");
   }
+  if (options.join > 1 && options.localize.method == LocalizeMethod::papers) {
+    throw UsageError("--join: expected --method auto, dense or features with it, found papers");
+  }
   if (!options.svg.empty() && !options.scan) { throw UsageError("--svg: expected --scan with it, to show one scan"); }
   if (options.samples && options.localize.method != LocalizeMethod::papers) {
     throw UsageError("--samples: expected --method papers with it, whose matches are the samples");
@@ -160,6 +165,16 @@ void check_options(const Options& options, const PlaceMap& map) {
   if (options.localize.papers.match.distance == Distance::variance_chi_square && !map.has_variances()) {
     throw UsageError("--match-distance variance-chi-square: expected a map with variances (flirt map --variances)");
   }
+}
+
+/// The scan alone, or with --join together with those before it.
+LocalizationResult localize_scan(Localizer& localizer, const Options& options, const ScanLog& log, std::size_t scan,
+                                 LocalizeTimes* times = nullptr) {
+  if (options.join == 1) { return localizer.localize(log.scans[scan], {}, times); }
+  const std::size_t count = std::min(options.join, scan + 1);
+  const ScanPoints joined =
+      join_scans(std::span(log.scans).subspan(scan + 1 - count, count), options.localize.search.points);
+  return localizer.localize_points(log.scans[scan], joined, {}, times);
 }
 
 /// One query uses all threads, several share them.
@@ -176,7 +191,7 @@ std::vector<Answer> answers(const Options& options, const PlaceMap& map, const S
         }
         LocalizeTimes times;
         const std::size_t scan = scans[k];
-        const LocalizationResult result = localizers[thread]->localize(log.scans[scan], {}, &times);
+        const LocalizationResult result = localize_scan(*localizers[thread], options, log, scan, &times);
         const PoseHypothesis* best = result.best();
         Answer& answer = found[k];
         answer.outcome = {.scan = scan,
@@ -195,7 +210,8 @@ std::vector<Answer> answers(const Options& options, const PlaceMap& map, const S
 /// The picture of one scan's answer.
 CaptionedFigure example(const Options& options, const PlaceMap& map, const std::vector<Point2>& points,
                         const ScanLog& log, std::size_t scan) {
-  const LocalizationResult result = localize(map, log.scans[scan], options.localize);
+  Localizer localizer(map, options.localize);
+  const LocalizationResult result = localize_scan(localizer, options, log, scan);
   const std::string caption =
       fmt::format("Scan {}: {} ({})", scan, to_string(result.verdict), to_string(result.reason));
   return {localization_picture(points, log.scans[scan], result, pose_in_log(log, scan), caption), caption};
@@ -234,13 +250,12 @@ void write_pictures(const Options& options, const PlaceMap& map, const ScanLog& 
 }
 
 /// --track: all scans in order.
-int run_track(Options& options, const Session& session, const PlaceMap& map, LoadedLog loaded) {
-  const ScanLog log = with_odometry(std::move(loaded));
+int run_track(Options& options, const Session& session, const PlaceMap& map, const ScanLog& log) {
   options.tracker.localize = options.localize;
   options.tracker.seed = session.seed;
   const std::vector<TrackedScan> tracked = track(map, log, options.tracker, session);
   nlohmann::ordered_json json{{"map", options.map}, {"log", options.log}};
-  json.update(track_json(log, tracked));
+  json.update(track_json(log, tracked, options.hypotheses));
   json["method"] = options.flags.method();
   json["params"] = options.params.json();
   json["seed"] = session.seed;
@@ -260,20 +275,24 @@ int run(Options& options, const Session& session) {
   options.localize = options.flags.localize(session.seed);
   const PlaceMap map = value_or_quit(read_place_map(options.map));
   check_options(options, map);
-  const LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
-  if (options.track) { return run_track(options, session, map, loaded); }
-  const std::vector<Answer> found = answers(options, map, loaded.log, session);
+  const ScanLog log = with_odometry(value_or_quit(read_log(options.log, {}, progress_bar(session, "reading"))));
+  if (options.track) { return run_track(options, session, map, log); }
+  if (options.join > 1 && odometry_kind(log) == "none") {
+    throw BadInput(options.log + ": --join expected a log with odometry, found none");
+  }
+  const std::vector<Answer> found = answers(options, map, log, session);
   std::vector<LocalizedScan> outcomes;
   nlohmann::ordered_json json{{"map", options.map}, {"log", options.log}, {"queries", nlohmann::ordered_json::array()}};
   for (const Answer& answer : found) {
     outcomes.push_back(answer.outcome);
     json["queries"].push_back(answer.json);
   }
+  if (options.join > 1) { json.update({{"join", options.join}, {"odometry", odometry_kind(log)}}); }
   json["method"] = options.flags.method();
   json["params"] = options.params.json();
   json["seed"] = session.seed;
   json.update(provenance());
-  write_pictures(options, map, loaded.log, found, outcomes);
+  write_pictures(options, map, log, found, outcomes);
   write_json(session, json);
   if (session.talks()) {
     if (!options.summary_only) {
@@ -299,6 +318,10 @@ void add_localize(CLI::App& program, Session& session) {
       ->check(CLI::Range(1, 1000000))
       ->excludes(scan);
   command->add_option("--hypotheses", options->hypotheses, "best places of a scan in the JSON, at most (default 10)");
+  command
+      ->add_option("--join", options->join,
+                   "search for each scan together with those before it, N in all, by the log's odometry (default 1)")
+      ->check(CLI::Range(1, 1000));
   command->add_option("--svg", options->svg, "picture of one scan's answer, with --scan");
   command->add_option("-o,--output", options->out, "folder for report.html: success, times, and pictures");
   command->add_flag("--summary", options->summary_only, "print the summary alone, not a line for each scan");
@@ -307,7 +330,7 @@ void add_localize(CLI::App& program, Session& session) {
   CLI::Option* track =
       command->add_flag("--track", options->track, "follow the robot through all scans in order, by the log's odometry")
           ->excludes(scan);
-  for (const char* other : {"--every", "--hypotheses", "--svg", "--output", "--samples"}) {
+  for (const char* other : {"--every", "--svg", "--output", "--samples", "--join"}) {
     track->excludes(command->get_option(other));
   }
   options->flags.add(*command, options->params);

@@ -27,21 +27,59 @@ std::vector<double> entries_of(const Eigen::Matrix3d& matrix) {
   return entries;
 }
 
-nlohmann::ordered_json step_json(std::size_t scan, const TrackedScan& tracked) {
+nlohmann::ordered_json pose_json(const Pose2& pose, const Eigen::Matrix3d& covariance) {
+  return {{"x", pose.x}, {"y", pose.y}, {"theta", pose.theta}, {"covariance", entries_of(covariance)}};
+}
+
+/// A cluster as the place of the sensor, as all hypotheses of `flirt localize` are.
+nlohmann::ordered_json cluster_json(const TrackCluster& cluster, const Pose2& robot_from_sensor) {
+  const Pose2 map_from_sensor = cluster.map_from_robot * robot_from_sensor;
+  const Point2 lever = map_from_sensor.translation() - cluster.map_from_robot.translation();
+  Eigen::Matrix3d sensor_by_robot = Eigen::Matrix3d::Identity();
+  sensor_by_robot(0, 2) = -lever.y;
+  sensor_by_robot(1, 2) = lever.x;
+  nlohmann::ordered_json json =
+      pose_json(map_from_sensor, sensor_by_robot * cluster.covariance * sensor_by_robot.transpose());
+  json["weight"] = cluster.share;
+  return json;
+}
+
+/// Of the scan at the best place; others are not scored by all its points.
+nlohmann::ordered_json evidence_json(const EvidenceScore& evidence) {
+  return {{"score", evidence.total},
+          {"evidence",
+           {{"likelihood", evidence.likelihood},
+            {"free", evidence.free},
+            {"unknown", evidence.unknown},
+            {"through", evidence.through},
+            {"near", evidence.near},
+            {"residual", evidence.residual}}}};
+}
+
+nlohmann::ordered_json step_json(std::size_t scan, const TrackedScan& tracked, const Scan& taken, std::size_t most) {
   const TrackStep& step = tracked.step;
-  nlohmann::ordered_json json{{"scan", scan}, {"verdict", to_string(step.verdict)}};
+  nlohmann::ordered_json json{{"scan", scan},
+                              {"stamp", taken.stamp},
+                              {"verdict", to_string(step.verdict)},
+                              {"reason", to_string(step.reason)},
+                              {"confidence", step.confidence},
+                              {"belief", step.belief},
+                              {"points", step.points},
+                              {"effective_particles", step.effective},
+                              {"searched", step.searched},
+                              {"injected", step.injected},
+                              {"time_us", tracked.time_us},
+                              {"places", step.clusters.size()},
+                              {"robot", nullptr},
+                              {"hypotheses", nlohmann::ordered_json::array()}};
   if (!step.clusters.empty()) {
-    const Pose2& pose = step.map_from_robot;
-    json.update({{"x", pose.x}, {"y", pose.y}, {"theta", pose.theta}, {"covariance", entries_of(step.covariance)}});
+    json["robot"] = pose_json(step.map_from_robot, step.covariance);
     if (tracked.pose_in_log) { json["agrees"] = agrees(tracked); }
   }
-  json.update({{"share", step.share},
-               {"score", step.score},
-               {"effective", step.effective},
-               {"clusters", step.clusters.size()},
-               {"searched", step.searched},
-               {"injected", step.injected},
-               {"time_us", tracked.time_us}});
+  for (std::size_t i = 0; i < std::min(most, step.clusters.size()); ++i) {
+    json["hypotheses"].push_back(cluster_json(step.clusters[i], taken.robot_from_sensor));
+    if (i == 0) { json["hypotheses"][0].update(evidence_json(step.evidence)); }
+  }
   return json;
 }
 
@@ -137,10 +175,12 @@ std::vector<TrackedScan> track(const PlaceMap& map, const ScanLog& log, const Tr
   return tracked;
 }
 
-nlohmann::ordered_json track_json(const ScanLog& log, std::span<const TrackedScan> scans) {
+nlohmann::ordered_json track_json(const ScanLog& log, std::span<const TrackedScan> scans, std::size_t most_places) {
   nlohmann::ordered_json json{{"odometry", odometry_kind(log)}, {"summary", summary_json(summarise(scans))}};
-  json["steps"] = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < scans.size(); ++i) { json["steps"].push_back(step_json(i, scans[i])); }
+  json["queries"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    json["queries"].push_back(step_json(i, scans[i], log.scans[i], most_places));
+  }
   return json;
 }
 
@@ -149,13 +189,13 @@ std::string track_line(std::size_t scan, const TrackedScan& tracked) {
   std::string line = fmt::format("scan {:>5}  {:<9}", scan, to_string(step.verdict));
   if (step.clusters.empty()) { return line; }
   const Pose2& pose = step.map_from_robot;
-  line += fmt::format("  x {:8.3f} m  y {:8.3f} m  {:7.2f} deg  share {:.3f}  score {:5.2f}  effective {:.0f}", pose.x,
-                      pose.y, degrees_from_radians(pose.theta), step.share, step.score, step.effective);
+  line += fmt::format("  x {:8.3f} m  y {:8.3f} m  {:7.2f} deg  confidence {:.3f}", pose.x, pose.y,
+                      degrees_from_radians(pose.theta), step.confidence);
   if (tracked.pose_in_log) {
     line += fmt::format("  {:.3f} m {:.2f} deg from the log's pose", distance(pose, *tracked.pose_in_log),
                         degrees_from_radians(heading_difference(pose, *tracked.pose_in_log)));
   }
-  return step.injected ? line + "  drawn from hypotheses" : line;
+  return step.verdict == Verdict::unique ? line : line + "  " + std::string(to_string(step.reason));
 }
 
 std::string track_text(const ScanLog& log, std::span<const TrackedScan> scans) {

@@ -45,7 +45,8 @@ struct TrackSummary {
 };
 [[nodiscard]] TrackSummary summarise(std::span<const TrackedScan> scans);
 
-/// The log; where its odometry repeated its corrected poses and the reader left it out, with those as odometry.
+/// The log; where its odometry repeated its corrected poses and the reader left it out, with those as odometry. (The
+/// pose of a log is looked at in no other way.)
 [[nodiscard]] ScanLog with_odometry(LoadedLog loaded);
 
 /// What the odometry of a log is: "none", "repeats_poses" (a corrected log), or "own".
@@ -55,8 +56,10 @@ struct TrackSummary {
 [[nodiscard]] std::vector<TrackedScan> track(const PlaceMap& map, const ScanLog& log, const TrackerParams& params,
                                              const Session& session);
 
-/// {odometry, summary, steps}
-[[nodiscard]] nlohmann::ordered_json track_json(const ScanLog& log, std::span<const TrackedScan> scans);
+/// {odometry, summary, queries}: a query for each scan, of the form that `flirt localize` has for single scans, with at
+/// most `most_places` of its hypotheses.
+[[nodiscard]] nlohmann::ordered_json track_json(const ScanLog& log, std::span<const TrackedScan> scans,
+                                                std::size_t most_places);
 
 [[nodiscard]] std::string track_line(std::size_t scan, const TrackedScan& tracked);
 [[nodiscard]] std::string track_text(const ScanLog& log, std::span<const TrackedScan> scans);

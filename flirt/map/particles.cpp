@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <map>
 #include <numbers>
+#include <set>
 
 namespace flirt {
 namespace {
@@ -56,16 +57,21 @@ TrackCluster moments(std::span<const Particle> particles, std::span<const std::s
   return cluster;
 }
 
+using Bin = std::array<std::int64_t, 3>;
+
+Bin bin_of(const Pose2& pose, double reach, double turn) {
+  return {std::llround(pose.x / reach), std::llround(pose.y / reach), std::llround(pose.theta / turn)};
+}
+
 /// The heaviest particle of the heaviest bin among those left.
 std::size_t densest(std::span<const Particle> particles, std::span<const std::size_t> left, double reach, double turn) {
   struct Heap {
     double weight{0};
     std::size_t heaviest{0};
   };
-  std::map<std::array<std::int64_t, 3>, Heap> heaps;
+  std::map<Bin, Heap> heaps;
   for (const std::size_t i : left) {
-    const Pose2& pose = particles[i].map_from_robot;
-    Heap& heap = heaps[{std::llround(pose.x / reach), std::llround(pose.y / reach), std::llround(pose.theta / turn)}];
+    Heap& heap = heaps[bin_of(particles[i].map_from_robot, reach, turn)];
     if (heap.weight == 0 || particles[i].weight > particles[heap.heaviest].weight) { heap.heaviest = i; }
     heap.weight += particles[i].weight;
   }
@@ -100,6 +106,15 @@ double effective_count(std::span<const Particle> particles) {
   double squares = 0;
   for (const Particle& particle : particles) { squares += particle.weight * particle.weight; }
   return squares > 0 ? 1 / squares : 0.0;
+}
+
+std::size_t kld_count(std::span<const Particle> particles, double reach, double turn, double error, double quantile) {
+  std::set<Bin> bins;
+  for (const Particle& particle : particles) { bins.insert(bin_of(particle.map_from_robot, reach, turn)); }
+  if (bins.size() < 2) { return bins.size(); }
+  const auto free = static_cast<double>(bins.size() - 1);
+  const double part = 2 / (9 * free);
+  return static_cast<std::size_t>(free / (2 * error) * std::pow(1 - part + std::sqrt(part) * quantile, 3)) + 1;
 }
 
 std::vector<Particle> resampled(std::span<const Particle> particles, std::size_t count, Rng& rng) {

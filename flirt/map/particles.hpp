@@ -65,6 +65,12 @@ void weigh(std::vector<Particle>& particles, double odds);
 /// 1 / Σ weight²; 0 without particles.
 [[nodiscard]] double effective_count(std::span<const Particle> particles);
 
+/// Particles that keep the error of their distribution over the bins they fill below `error`, with the probability
+/// whose normal quantile is `quantile` (KLD sampling: Thrun et al. 2005, table 8.4), from bins of `reach` (m) and
+/// `turn` (rad). O(particles · log bins).
+[[nodiscard]] std::size_t kld_count(std::span<const Particle> particles, double reach, double turn, double error,
+                                    double quantile);
+
 /// `count` particles of equal weight, drawn by weight with one random number (low variance: Thrun et al. 2005,
 /// table 4.4). O(particles + count).
 [[nodiscard]] std::vector<Particle> resampled(std::span<const Particle> particles, std::size_t count, Rng& rng);

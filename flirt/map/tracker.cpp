@@ -5,6 +5,7 @@
 #include "flirt/registration/join_scans.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <span>
 
@@ -12,7 +13,8 @@ namespace flirt {
 namespace {
 
 constexpr std::size_t most_clusters = 10;
-constexpr double newest_share = 0.4;  // of the newest scan in the smoothed score
+/// What is assumed of a robot without odometry when it is asked how new a look is: about half of one.
+constexpr Pose2 unknown_motion{0.25, 0, 0};
 
 /// Every k-th point, at most `most`.
 ScanPoints thinned(const ScanPoints& points, std::size_t most) {
@@ -39,7 +41,7 @@ std::optional<Pose2> last_motion(std::span<const Scan> scans) {
 }  // namespace
 
 Tracker::Tracker(const PlaceMap& map, const TrackerParams& params, std::size_t threads)
-    : params_(params), threads_(threads), localizer_(map, params.localize), rng_(params.seed) {
+    : params_(params), threads_(threads), localizer_(map, params.localize), rng_(params.seed), belief_(params.belief) {
   FLIRT_ASSERT(params.localize.method != LocalizeMethod::papers);
 }
 
@@ -64,30 +66,34 @@ void Tracker::draw(const LocalizationResult& found, const Pose2& robot_from_sens
   set.insert(set.end(), fresh.begin(), fresh.end());
   for (Particle& particle : set) { particle.weight = 1.0 / static_cast<double>(set.size()); }
   particles_ = std::move(set);
-  since_drawn_ = found.verdict == Verdict::unique ? params_.settle_scans : 0;
 }
 
-bool Tracker::inject(const Scan& scan, ScanInterval excluded) {
+/// Both sides refined and scored by the same points: particles lie beside the best pose, hypotheses on it.
+bool Tracker::is_better(const LocalizationResult& found, const ScanPoints& joined, const MapFields& fields,
+                        const Pose2& robot_from_sensor) const {
+  std::vector<Pose2> tracked;
+  for (const TrackCluster& cluster : clusters_of(particles_, params_.cluster_distance, params_.cluster_heading, 3)) {
+    tracked.push_back(cluster.map_from_robot * robot_from_sensor);
+  }
+  const std::vector<ScoredPose> refined = judge(fields, joined, tracked, params_.localize.search);
+  return std::ranges::all_of(
+      refined, [&](const ScoredPose& pose) { return found.best()->score > pose.score.total + params_.inject_margin; });
+}
+
+void Tracker::search(const Scan& scan, ScanInterval excluded, TrackStep& step) {
   const std::span<const Scan> all = last_scans_;
   const ScanPoints joined =
       join_scans(all.last(std::min<std::size_t>(all.size(), params_.join_scans)), params_.localize.search.points);
   const LocalizationResult found = localizer_.localize_points(scan, joined, excluded);
-  if (found.best() == nullptr) { return false; }
-  if (!particles_.empty()) {
-    // Both sides refined and scored by the same points: particles lie beside the best pose, hypotheses on it.
-    std::vector<Pose2> tracked;
-    for (const TrackCluster& cluster : clusters_of(particles_, params_.cluster_distance, params_.cluster_heading, 3)) {
-      tracked.push_back(cluster.map_from_robot * scan.robot_from_sensor);
-    }
-    const std::vector<ScoredPose> refined =
-        judge(localizer_.fields(excluded), joined, tracked, params_.localize.search);
-    const bool better = std::ranges::all_of(refined, [&](const ScoredPose& pose) {
-      return found.best()->score > pose.score.total + params_.inject_margin;
-    });
-    if (!better) { return false; }
+  since_search_ = 0;
+  step.searched = true;
+  step.search_confidence = found.confidence;
+  if (found.best() == nullptr || !is_better(found, joined, localizer_.fields(excluded), scan.robot_from_sensor)) {
+    return;
   }
   draw(found, scan.robot_from_sensor);
-  return true;
+  belief_.start(found.confidence);
+  step.injected = true;
 }
 
 void Tracker::score_particles(const MapFields& fields, const ScanPoints& points, const Pose2& robot_from_sensor) {
@@ -100,52 +106,106 @@ void Tracker::score_particles(const MapFields& fields, const ScanPoints& points,
       {}, 64);
 }
 
-void Tracker::judge_particles(TrackStep& step) const {
+void Tracker::weigh_particles(const ScanPoints& points) {
+  if (points.size() == 0) { return; }
+  if (params_.initialisation == TrackInitialisation::hypotheses) { return weigh(particles_, params_.score_odds); }
+  const UniformParams& uniform = params_.uniform;
+  double likelihood = 0;
+  for (const Particle& particle : particles_) {
+    likelihood += particle.weight * std::exp(uniform.score_odds * particle.score);
+  }
+  if (slow_likelihood_ == 0) { slow_likelihood_ = fast_likelihood_ = likelihood; }
+  slow_likelihood_ += uniform.slow * (likelihood - slow_likelihood_);
+  fast_likelihood_ += uniform.fast * (likelihood - fast_likelihood_);
+  weigh(particles_, uniform.score_odds);
+}
+
+void Tracker::locate(const EvidenceScorer& scorer, const ScanPoints& points, const Pose2& robot_from_sensor,
+                     TrackStep& step) const {
   step.clusters = clusters_of(particles_, params_.cluster_distance, params_.cluster_heading, most_clusters);
-  step.score = score_;
+  step.points = static_cast<std::uint32_t>(points.size());
   if (step.clusters.empty()) { return; }
   const TrackCluster& best = step.clusters.front();
   step.map_from_robot = best.map_from_robot;
   step.covariance = best.covariance;
   step.share = best.share;
-  const bool settled = since_drawn_ >= params_.settle_scans;
-  if (score_ < params_.min_score) {
-    step.verdict = Verdict::lost;
-  } else {
-    step.verdict = settled && best.share >= params_.unique_share ? Verdict::unique : Verdict::ambiguous;
+  if (points.size() != 0) { step.evidence = scorer.score(points, best.map_from_robot * robot_from_sensor); }
+}
+
+/// Particles drawn by weight where few of them count; those of `uniform` as many as KLD sampling asks for, some of them
+/// anywhere when scans fit worse than they did (augmented Monte Carlo localization).
+void Tracker::draw_anew(const MapFields& fields, const Pose2& robot_from_sensor, double effective) {
+  const auto count = static_cast<double>(particles_.size());
+  if (effective >= params_.resample_below * count) { return; }
+  if (params_.initialisation == TrackInitialisation::hypotheses) {
+    particles_ = resampled(particles_, particles_.size(), rng_);
+    return;
   }
+  const UniformParams& uniform = params_.uniform;
+  const double anywhere = uniform.fast > 0 ? std::max(0.0, 1 - fast_likelihood_ / slow_likelihood_) : 0.0;
+  std::vector<Particle> drawn = resampled(particles_, particles_.size(), rng_);
+  const std::size_t needed =
+      kld_count(drawn, params_.cluster_distance, params_.cluster_heading, uniform.kld_error, uniform.kld_quantile);
+  const std::size_t kept =
+      std::clamp<std::size_t>(needed, std::min(uniform.least_particles, uniform.particles), uniform.particles);
+  const auto fresh = static_cast<std::size_t>(anywhere * static_cast<double>(uniform.particles));
+  particles_ = resampled(drawn, kept, rng_);
+  const std::vector<Particle> spread = spread_out(fields, robot_from_sensor, fresh, rng_);
+  particles_.insert(particles_.end(), spread.begin(), spread.end());
+  for (Particle& particle : particles_) { particle.weight = 1 / static_cast<double>(particles_.size()); }
+}
+
+Verdict track_verdict(const TrackStep& step, const TrackerParams& params) {
+  if (step.clusters.empty() || step.belief < params.lost_below) { return Verdict::lost; }
+  return step.confidence >= params.min_confidence ? Verdict::unique : Verdict::ambiguous;
+}
+
+Reason track_reason(const TrackStep& step, const TrackerParams& params) {
+  switch (step.verdict) {
+    case Verdict::unique:
+      return Reason::clear_winner;
+    case Verdict::ambiguous:
+      return step.share < params.min_confidence ? Reason::second_place_too_close : Reason::little_evidence;
+    case Verdict::lost:
+      break;
+  }
+  return step.points < params.localize.verdict.min_points ? Reason::few_points : why_not(step.evidence);
 }
 
 TrackStep Tracker::add(const Scan& scan, ScanInterval excluded) {
   TrackStep step;
   remember(scan);
-  move_particles(particles_, last_motion(last_scans_), params_.motion, rng_);
+  const std::optional<Pose2> motion = last_motion(last_scans_);
+  move_particles(particles_, motion, params_.motion, rng_);
   ++since_search_;
-  ++since_drawn_;
-  if (localizer_.fields(excluded).empty()) { return step; }
-  const ScanPoints points = thinned(scan_points(scan, params_.localize.search.points), params_.particle_points);
+  if (localizer_.fields(excluded).empty()) {
+    step.reason = Reason::empty_map;
+    return step;
+  }
+  const MapFields& fields = localizer_.fields(excluded);
+  const EvidenceScorer scorer(fields, params_.localize.search.score);
+  const ScanPoints points = scan_points(scan, params_.localize.search.points);
+  const ScanPoints few = thinned(points, params_.particle_points);
   if (particles_.empty() && params_.initialisation == TrackInitialisation::uniform) {
-    particles_ = spread_out(localizer_.fields(excluded), scan.robot_from_sensor, params_.uniform_particles, rng_);
-    since_drawn_ = 0;
+    particles_ = spread_out(fields, scan.robot_from_sensor, params_.uniform.particles, rng_);
+    belief_.start(0.5);
   }
-  const auto score = [&] { score_particles(localizer_.fields(excluded), points, scan.robot_from_sensor); };
-  score();
-  const bool is_uniform = params_.initialisation == TrackInitialisation::uniform;
-  if (points.size() != 0) { weigh(particles_, is_uniform ? params_.uniform_odds : params_.score_odds); }
-  if (search_due()) {
-    step.searched = true;
-    since_search_ = 0;
-    step.injected = inject(scan, excluded);
-    if (step.injected) { score(); }  // not weighed again: the hypotheses' weights know this scan
+  score_particles(fields, few, scan.robot_from_sensor);
+  weigh_particles(few);
+  locate(scorer, points, scan.robot_from_sensor, step);
+  if (!step.clusters.empty()) { belief_.look(step.evidence, points.size(), motion.value_or(unknown_motion)); }
+  if (search_due()) { search(scan, excluded, step); }
+  if (step.injected) {  // not weighed again: the hypotheses' weights know this scan
+    score_particles(fields, few, scan.robot_from_sensor);
+    locate(scorer, points, scan.robot_from_sensor, step);
   }
-  double mean = 0;
-  for (const Particle& particle : particles_) { mean += particle.weight * particle.score; }
-  score_ = step.injected ? mean : score_ + newest_share * (mean - score_);
-  judge_particles(step);
+  step.belief = belief_.probability();
+  step.confidence = step.belief * step.share;
+  step.verdict = track_verdict(step, params_);
+  step.reason = track_reason(step, params_);
   verdict_ = step.verdict;
   step.effective = effective_count(particles_);
-  const auto count = static_cast<double>(particles_.size());
-  if (step.effective < params_.resample_below * count) { particles_ = resampled(particles_, particles_.size(), rng_); }
+  draw_anew(fields, scan.robot_from_sensor, step.effective);
   return step;
 }
 
