@@ -250,12 +250,12 @@ void write_pictures(const Options& options, const PlaceMap& map, const ScanLog& 
 }
 
 /// --track: all scans in order.
-int run_track(Options& options, const Session& session, const PlaceMap& map, const ScanLog& log) {
+int run_track(Options& options, const Session& session, const PlaceMap& map, const DrivenLog& driven) {
   options.tracker.localize = options.localize;
   options.tracker.seed = session.seed;
-  const std::vector<TrackedScan> tracked = track(map, log, options.tracker, session);
+  const std::vector<TrackedScan> tracked = track(map, driven, options.tracker, session);
   nlohmann::ordered_json json{{"map", options.map}, {"log", options.log}};
-  json.update(track_json(log, tracked, options.hypotheses));
+  json.update(track_json(driven, tracked, options.hypotheses));
   json["method"] = options.flags.method();
   json["params"] = options.params.json();
   json["seed"] = session.seed;
@@ -265,7 +265,7 @@ int run_track(Options& options, const Session& session, const PlaceMap& map, con
     for (std::size_t i = 0; i < tracked.size() && !options.summary_only; ++i) {
       fmt::print("{}\n", track_line(i, tracked[i]));
     }
-    fmt::print("{}", track_text(log, tracked));
+    fmt::print("{}", track_text(driven, tracked));
   }
   return summarise(tracked).unique == 0 ? exit_not_found : exit_done;
 }
@@ -275,11 +275,12 @@ int run(Options& options, const Session& session) {
   options.localize = options.flags.localize(session.seed);
   const PlaceMap map = value_or_quit(read_place_map(options.map));
   check_options(options, map);
-  const ScanLog log = with_odometry(value_or_quit(read_log(options.log, {}, progress_bar(session, "reading"))));
-  if (options.track) { return run_track(options, session, map, log); }
-  if (options.join > 1 && odometry_kind(log) == "none") {
+  const DrivenLog driven = with_odometry(value_or_quit(read_log(options.log, {}, progress_bar(session, "reading"))));
+  if (options.track) { return run_track(options, session, map, driven); }
+  if (options.join > 1 && driven.odometry == "none") {
     throw BadInput(options.log + ": --join expected a log with odometry, found none");
   }
+  const ScanLog& log = driven.log;
   const std::vector<Answer> found = answers(options, map, log, session);
   std::vector<LocalizedScan> outcomes;
   nlohmann::ordered_json json{{"map", options.map}, {"log", options.log}, {"queries", nlohmann::ordered_json::array()}};
@@ -287,7 +288,7 @@ int run(Options& options, const Session& session) {
     outcomes.push_back(answer.outcome);
     json["queries"].push_back(answer.json);
   }
-  if (options.join > 1) { json.update({{"join", options.join}, {"odometry", odometry_kind(log)}}); }
+  if (options.join > 1) { json.update({{"join", options.join}, {"odometry", driven.odometry}}); }
   json["method"] = options.flags.method();
   json["params"] = options.params.json();
   json["seed"] = session.seed;
@@ -335,6 +336,7 @@ void add_localize(CLI::App& program, Session& session) {
   }
   options->flags.add(*command, options->params);
   options->params.add(*command, "track", options->tracker);
+  options->params.add(*command, "uniform", options->tracker.uniform);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

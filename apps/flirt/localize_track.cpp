@@ -138,28 +138,25 @@ TrackSummary summarise(std::span<const TrackedScan> scans) {
   return summary;
 }
 
-ScanLog with_odometry(LoadedLog loaded) {
+DrivenLog with_odometry(LoadedLog loaded) {
+  const PoseSource poses = loaded.report.poses;
+  DrivenLog driven{
+      .log = std::move(loaded.log),
+      .odometry = "none",
+      .has_corrected_poses = poses == PoseSource::corrected || poses == PoseSource::corrected_and_odometry};
+  std::vector<Scan>& scans = driven.log.scans;
   if (loaded.report.odometry_repeats_pose) {
-    for (std::size_t i = 0; i < loaded.log.scans.size(); ++i) {
-      loaded.log.scans[i].odom_from_robot = loaded.log.map_from_robot[i];
-    }
+    driven.odometry = "repeats_poses";
+    for (std::size_t i = 0; i < scans.size(); ++i) { scans[i].odom_from_robot = driven.log.map_from_robot[i]; }
+  } else if (std::ranges::any_of(scans, [](const Scan& scan) { return scan.odom_from_robot.has_value(); })) {
+    driven.odometry = "own";
   }
-  return std::move(loaded.log);
+  return driven;
 }
 
-std::string odometry_kind(const ScanLog& log) {
-  if (std::ranges::none_of(log.scans, [](const Scan& scan) { return scan.odom_from_robot.has_value(); })) {
-    return "none";
-  }
-  if (log.map_from_robot.empty()) { return "own"; }
-  for (std::size_t i = 0; i < log.scans.size(); ++i) {
-    if (log.scans[i].odom_from_robot != log.map_from_robot[i]) { return "own"; }
-  }
-  return "repeats_poses";
-}
-
-std::vector<TrackedScan> track(const PlaceMap& map, const ScanLog& log, const TrackerParams& params,
+std::vector<TrackedScan> track(const PlaceMap& map, const DrivenLog& driven, const TrackerParams& params,
                                const Session& session) {
+  const ScanLog& log = driven.log;
   Tracker tracker(map, params, session.threads);
   const Progress progress = progress_bar(session, "tracking");
   std::vector<TrackedScan> tracked;
@@ -169,17 +166,18 @@ std::vector<TrackedScan> track(const PlaceMap& map, const ScanLog& log, const Tr
     TrackStep step = tracker.add(log.scans[i]);
     const double time_us = stopwatch.lap_us();
     tracked.push_back({.step = std::move(step), .time_us = time_us});
-    if (!log.map_from_robot.empty()) { tracked.back().pose_in_log = log.map_from_robot[i]; }
+    if (driven.has_corrected_poses) { tracked.back().pose_in_log = log.map_from_robot[i]; }
     if (progress) { progress(static_cast<double>(i + 1) / static_cast<double>(log.scans.size())); }
   }
   return tracked;
 }
 
-nlohmann::ordered_json track_json(const ScanLog& log, std::span<const TrackedScan> scans, std::size_t most_places) {
-  nlohmann::ordered_json json{{"odometry", odometry_kind(log)}, {"summary", summary_json(summarise(scans))}};
+nlohmann::ordered_json track_json(const DrivenLog& driven, std::span<const TrackedScan> scans,
+                                  std::size_t most_places) {
+  nlohmann::ordered_json json{{"odometry", driven.odometry}, {"summary", summary_json(summarise(scans))}};
   json["queries"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    json["queries"].push_back(step_json(i, scans[i], log.scans[i], most_places));
+    json["queries"].push_back(step_json(i, scans[i], driven.log.scans[i], most_places));
   }
   return json;
 }
@@ -198,13 +196,12 @@ std::string track_line(std::size_t scan, const TrackedScan& tracked) {
   return step.verdict == Verdict::unique ? line : line + "  " + std::string(to_string(step.reason));
 }
 
-std::string track_text(const ScanLog& log, std::span<const TrackedScan> scans) {
+std::string track_text(const DrivenLog& driven, std::span<const TrackedScan> scans) {
   const TrackSummary summary = summarise(scans);
   std::string text;
-  const std::string odometry = odometry_kind(log);
-  if (odometry == "repeats_poses") {
+  if (driven.odometry == "repeats_poses") {
     text += "the odometry of this log repeats its poses (it was corrected): motion is better than a robot's own\n";
-  } else if (odometry == "none") {
+  } else if (driven.odometry == "none") {
     text += "this log has no odometry: the robot is taken to stand between scans\n";
   }
   text += fmt::format("{} scans: {} unique, {} ambiguous, {} lost; localized after {} scans; {} searches, {} draws\n",

@@ -45,23 +45,24 @@ struct TrackSummary {
 };
 [[nodiscard]] TrackSummary summarise(std::span<const TrackedScan> scans);
 
-/// The log; where its odometry repeated its corrected poses and the reader left it out, with those as odometry. (The
-/// pose of a log is looked at in no other way.)
-[[nodiscard]] ScanLog with_odometry(LoadedLog loaded);
-
-/// What the odometry of a log is: "none", "repeats_poses" (a corrected log), or "own".
-[[nodiscard]] std::string odometry_kind(const ScanLog& log);
+/// A log whose scans carry the odometry there is.
+struct DrivenLog {
+  ScanLog log;
+  std::string odometry;             ///< "own", "repeats_poses" (a corrected log: those stand for it), or "none"
+  bool has_corrected_poses{false};  ///< log.map_from_robot is more than that odometry
+};
+[[nodiscard]] DrivenLog with_odometry(LoadedLog loaded);
 
 /// Tracks the log through the map; one Tracker, all scans in order.
-[[nodiscard]] std::vector<TrackedScan> track(const PlaceMap& map, const ScanLog& log, const TrackerParams& params,
+[[nodiscard]] std::vector<TrackedScan> track(const PlaceMap& map, const DrivenLog& driven, const TrackerParams& params,
                                              const Session& session);
 
 /// {odometry, summary, queries}: a query for each scan, of the form that `flirt localize` has for single scans, with at
 /// most `most_places` of its hypotheses.
-[[nodiscard]] nlohmann::ordered_json track_json(const ScanLog& log, std::span<const TrackedScan> scans,
+[[nodiscard]] nlohmann::ordered_json track_json(const DrivenLog& driven, std::span<const TrackedScan> scans,
                                                 std::size_t most_places);
 
 [[nodiscard]] std::string track_line(std::size_t scan, const TrackedScan& tracked);
-[[nodiscard]] std::string track_text(const ScanLog& log, std::span<const TrackedScan> scans);
+[[nodiscard]] std::string track_text(const DrivenLog& driven, std::span<const TrackedScan> scans);
 
 }  // namespace flirt::app

@@ -9,7 +9,8 @@ namespace {
 constexpr double usual_points = 80;
 
 /// How much of an independent look a scan is after this motion: nothing new is seen from the same place. That holds for
-/// what speaks for the place; a place that fits no longer though the wheels stood still is one the robot was carried from.
+/// what speaks for the place; a place that fits no longer though the wheels stood still is one the robot was carried
+/// from.
 double novelty(const Pose2& before_from_after, const BeliefParams& params) {
   const double way = norm(before_from_after.translation()) / params.new_way;
   const double turn = std::abs(before_from_after.theta) / params.new_turn;

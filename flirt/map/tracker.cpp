@@ -13,9 +13,6 @@ namespace flirt {
 namespace {
 
 constexpr std::size_t most_clusters = 10;
-/// What is assumed of a robot without odometry when it is asked how new a look is: about half of one.
-constexpr Pose2 unknown_motion{0.25, 0, 0};
-
 /// Every k-th point, at most `most`.
 ScanPoints thinned(const ScanPoints& points, std::size_t most) {
   if (points.size() <= most) { return points; }
@@ -193,12 +190,17 @@ TrackStep Tracker::add(const Scan& scan, ScanInterval excluded) {
   score_particles(fields, few, scan.robot_from_sensor);
   weigh_particles(few);
   locate(scorer, points, scan.robot_from_sensor, step);
-  if (!step.clusters.empty()) { belief_.look(step.evidence, points.size(), motion.value_or(unknown_motion)); }
+  if (!step.clusters.empty()) {
+    // Without odometry the filter's own motion must do.
+    const Pose2 seen_motion = last_pose_ ? inverse(*last_pose_) * step.map_from_robot : Pose2{};
+    belief_.look(step.evidence, points.size(), motion.value_or(seen_motion));
+  }
   if (search_due()) { search(scan, excluded, step); }
   if (step.injected) {  // not weighed again: the hypotheses' weights know this scan
     score_particles(fields, few, scan.robot_from_sensor);
     locate(scorer, points, scan.robot_from_sensor, step);
   }
+  if (!step.clusters.empty()) { last_pose_ = step.map_from_robot; }
   step.belief = belief_.probability();
   step.confidence = step.belief * step.share;
   step.verdict = track_verdict(step, params_);

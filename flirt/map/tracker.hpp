@@ -25,6 +25,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -167,8 +168,9 @@ class Tracker {
   std::vector<Particle> particles_{};
   double slow_likelihood_{0};  ///< average over scans, of `uniform` alone, as the next
   double fast_likelihood_{0};
-  std::uint32_t since_search_{0};   ///< scans
-  Verdict verdict_{Verdict::lost};  ///< of the last step
+  std::optional<Pose2> last_pose_{};  ///< map_from_robot of the last step's best place
+  std::uint32_t since_search_{0};     ///< scans
+  Verdict verdict_{Verdict::lost};    ///< of the last step
 };
 
 /// The verdict on a step's share and belief, and why.
