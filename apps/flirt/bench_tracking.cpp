@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <string>
@@ -26,6 +27,7 @@ struct Options {
   std::vector<std::string> foreign;
   std::string out;
   std::string only;
+  std::vector<std::string> kinds;
   FeatureFlags features;
   LocalizeFlags localize;
   TrackingBenchParams bench;
@@ -131,9 +133,14 @@ void print(const std::vector<TrackingSummary>& summaries) {
   }
 }
 
-/// Drives of one log, by each way to start.
-void add_outcomes(const PlaceMap& map, const ScanLog& log, const std::vector<TrackedDrive>& drives,
-                  const Options& options, const Session& session, std::vector<DriveOutcome>& outcomes) {
+/// Drives of one log, of the kinds asked for, by each way to start.
+void add_outcomes(const PlaceMap& map, const ScanLog& log, std::vector<TrackedDrive> drives, const Options& options,
+                  const Session& session, std::vector<DriveOutcome>& outcomes) {
+  if (!options.kinds.empty()) {
+    std::erase_if(drives, [&](const TrackedDrive& drive) {
+      return std::ranges::find(options.kinds, to_string(drive.kind)) == options.kinds.end();
+    });
+  }
   for (const TrackInitialisation initialisation : {TrackInitialisation::hypotheses, TrackInitialisation::uniform}) {
     if (!options.only.empty() && options.only != to_string(initialisation)) { continue; }
     const std::vector<DriveOutcome> tracked =
@@ -215,6 +222,9 @@ void add_bench_tracking(CLI::App& bench, Session& session) {
   command->add_option("--length", options->bench.length, "m of each drive (default 20)")->check(CLI::Range(0.1, 1e6));
   command->add_option("--only", options->only, "hypotheses or uniform: the other way to start is left out")
       ->check(CLI::IsMember({"hypotheses", "uniform"}));
+  command
+      ->add_option("--kinds", options->kinds, "drives to track, of known, unmapped, kidnapped, foreign (default all)")
+      ->check(CLI::IsMember({"known", "unmapped", "kidnapped", "foreign"}));
   command->add_option("-o,--output", options->out, "folder for tracking.json, drives.csv and steps.csv");
   options->features.add(*command, options->params);
   options->localize.add(*command, options->params);

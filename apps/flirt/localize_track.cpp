@@ -2,6 +2,8 @@
 
 #include "flirt/core/stopwatch.hpp"
 
+#include "apps/flirt/localize_json.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,18 +21,6 @@ nlohmann::ordered_json json_or_null(const std::optional<std::size_t>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
 }
 
-std::vector<double> entries_of(const Eigen::Matrix3d& matrix) {
-  std::vector<double> entries;
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) { entries.push_back(matrix(row, column)); }
-  }
-  return entries;
-}
-
-nlohmann::ordered_json pose_json(const Pose2& pose, const Eigen::Matrix3d& covariance) {
-  return {{"x", pose.x}, {"y", pose.y}, {"theta", pose.theta}, {"covariance", entries_of(covariance)}};
-}
-
 /// A cluster as the place of the sensor, as all hypotheses of `flirt localize` are.
 nlohmann::ordered_json cluster_json(const TrackCluster& cluster, const Pose2& robot_from_sensor) {
   const Pose2 map_from_sensor = cluster.map_from_robot * robot_from_sensor;
@@ -42,18 +32,6 @@ nlohmann::ordered_json cluster_json(const TrackCluster& cluster, const Pose2& ro
       pose_json(map_from_sensor, sensor_by_robot * cluster.covariance * sensor_by_robot.transpose());
   json["weight"] = cluster.share;
   return json;
-}
-
-/// Of the scan at the best place; others are not scored by all its points.
-nlohmann::ordered_json evidence_json(const EvidenceScore& evidence) {
-  return {{"score", evidence.total},
-          {"evidence",
-           {{"likelihood", evidence.likelihood},
-            {"free", evidence.free},
-            {"unknown", evidence.unknown},
-            {"through", evidence.through},
-            {"near", evidence.near},
-            {"residual", evidence.residual}}}};
 }
 
 nlohmann::ordered_json step_json(std::size_t scan, const TrackedScan& tracked, const Scan& taken, std::size_t most) {
@@ -78,7 +56,10 @@ nlohmann::ordered_json step_json(std::size_t scan, const TrackedScan& tracked, c
   }
   for (std::size_t i = 0; i < std::min(most, step.clusters.size()); ++i) {
     json["hypotheses"].push_back(cluster_json(step.clusters[i], taken.robot_from_sensor));
-    if (i == 0) { json["hypotheses"][0].update(evidence_json(step.evidence)); }
+    if (i == 0) {  // others are not scored by all points
+      json["hypotheses"][0]["score"] = step.evidence.total;
+      json["hypotheses"][0]["evidence"] = evidence_json(step.evidence);
+    }
   }
   return json;
 }
