@@ -80,7 +80,7 @@ struct TrackerParams {
   double floor_heading{0.03};         ///< rad
   double cluster_distance{0.5};       ///< m, particles this near to a cluster's mean and
   double cluster_heading{radians_from_degrees(10)};  ///< rad, turned less than this are one place
-  double min_confidence{0.95};                       ///< less is not unique
+  double min_confidence{0.9};                        ///< less is not unique
   double lost_below{0.3};  ///< probability that the robot is where any particle is; less is lost
   std::uint64_t seed{0};   ///< equal seeds give equal answers on any number of threads
   MotionNoise motion{};

@@ -7,7 +7,7 @@
 namespace flirt {
 namespace {
 
-constexpr Pose2 step_ahead{0.5, 0, 0};  // an independent look
+constexpr Pose2 step_ahead{1, 0, 0};  // an independent look
 
 EvidenceScore good() {
   return {.total = 14, .likelihood = 0.95};
