@@ -5,10 +5,13 @@
 #include "flirt/io/file.hpp"
 #include "flirt/io/flirt_map.hpp"
 #include "flirt/io/log.hpp"
+#include "flirt/registration/join_scans.hpp"
 
 #include "apps/flirt/command.hpp"
 #include "apps/flirt/localize_flags.hpp"
+#include "apps/flirt/localize_json.hpp"
 #include "apps/flirt/localize_report.hpp"
+#include "apps/flirt/localize_track.hpp"
 
 #include <fmt/format.h>
 
@@ -29,10 +32,13 @@ struct Options {
   std::optional<std::size_t> scan;
   std::size_t every{1};
   std::size_t hypotheses{10};
+  std::size_t join{1};
   std::string svg;
   std::string out;
   bool summary_only{false};
   bool samples{false};
+  bool track{false};
+  TrackerParams tracker;
   LocalizeFlags flags;
   LocalizeParams localize;
   ParamFlags params;
@@ -56,97 +62,17 @@ std::vector<std::size_t> queries(const Options& options, std::size_t scans) {
   return all;
 }
 
-nlohmann::ordered_json pose_json(const Pose2& pose, const Eigen::Matrix3d& covariance) {
-  std::vector<double> entries;
-  entries.reserve(9);
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) { entries.push_back(covariance(row, column)); }
-  }
-  return {{"x", pose.x}, {"y", pose.y}, {"theta", pose.theta}, {"covariance", entries}};
-}
-
-nlohmann::ordered_json hypothesis_json(const PoseHypothesis& hypothesis) {
-  nlohmann::ordered_json json = pose_json(hypothesis.map_from_sensor, hypothesis.covariance);
-  json["score"] = hypothesis.score;
-  json["weight"] = hypothesis.weight;
-  const EvidenceScore& evidence = hypothesis.evidence;
-  json["evidence"] = {{"likelihood", evidence.likelihood}, {"free", evidence.free}, {"unknown", evidence.unknown},
-                      {"through", evidence.through},       {"near", evidence.near}, {"residual", evidence.residual}};
-  return json;
-}
-
-/// A place by the papers' method: the match that stands for it, with what all matches of the place say together.
-nlohmann::ordered_json place_json(const PoseHypothesis& hypothesis, const Place& place, const SolutionSet& set) {
-  nlohmann::ordered_json json = pose_json(hypothesis.map_from_sensor, hypothesis.covariance);
-  const Hypothesis& best = set.hypotheses[place.hypothesis];
-  json["score"] = hypothesis.score;
-  json["weight"] = hypothesis.weight;
-  json["inliers"] = best.inliers;
-  json["residual"] = best.residual;
-  json["map_scan"] = best.map_scan;
-  json["support"] = place.support;
-  return json;
-}
-
-nlohmann::ordered_json sample_json(const Hypothesis& sample) {
-  nlohmann::ordered_json json = pose_json(sample.map_from_sensor, sample.covariance);
-  json["weight"] = sample.weight;
-  json["inliers"] = sample.inliers;
-  json["residual"] = sample.residual;
-  json["map_scan"] = sample.map_scan;
-  return json;
-}
-
-nlohmann::ordered_json answer_json(std::size_t scan, const LocalizationResult& result, const LocalizeTimes& times,
-                                   const Options& options) {
-  nlohmann::ordered_json json{{"scan", scan},
-                              {"verdict", to_string(result.verdict)},
-                              {"reason", to_string(result.reason)},
-                              {"confidence", result.confidence},
-                              {"points", result.points},
-                              {"time_us", times.total_us()},
-                              {"stages_us",
-                               {{"detect", times.detect_us},
-                                {"describe", times.describe_us},
-                                {"match", times.match_us},
-                                {"search", times.search_us},
-                                {"rank", times.rank_us},
-                                {"refine", times.refine_us}}},
-                              {"places", result.hypotheses.size()},
-                              {"hypotheses", nlohmann::ordered_json::array()}};
-  for (std::size_t i = 0; i < std::min(result.hypotheses.size(), options.hypotheses); ++i) {
-    const PoseHypothesis& hypothesis = result.hypotheses[i];
-    json["hypotheses"].push_back(result.solution_set
-                                     ? place_json(hypothesis, result.solution_set->places[i], *result.solution_set)
-                                     : hypothesis_json(hypothesis));
-  }
-  if (options.samples) {
-    json["samples"] = nlohmann::ordered_json::array();
-    for (const Hypothesis& sample : result.solution_set->hypotheses) { json["samples"].push_back(sample_json(sample)); }
-  }
-  return json;
-}
-
-/// One line for people; `truth` is the log's own pose, where it has one.
-std::string answer_line(std::size_t scan, const LocalizationResult& result, const std::optional<Pose2>& truth) {
-  std::string line = fmt::format("scan {:>5}  {:<9}", scan, to_string(result.verdict));
-  if (const PoseHypothesis* best = result.best(); best != nullptr) {
-    const Pose2& pose = best->map_from_sensor;
-    line += fmt::format("  x {:8.3f} m  y {:8.3f} m  {:7.2f} deg  confidence {:.3f}", pose.x, pose.y,
-                        degrees_from_radians(pose.theta), result.confidence);
-    if (truth) {
-      line += fmt::format("  {:.3f} m {:.2f} deg from the log's pose", distance(pose, *truth),
-                          degrees_from_radians(heading_difference(pose, *truth)));
-    }
-  }
-  return result.verdict == Verdict::unique ? line : line + "  " + std::string(to_string(result.reason));
-}
-
 std::optional<Pose2> pose_in_log(const ScanLog& log, std::size_t scan) {
   return log.map_from_robot.empty() ? std::nullopt : std::optional(log.map_from_sensor(scan));
 }
 
 void check_options(const Options& options, const PlaceMap& map) {
+  if (options.track && options.localize.method == LocalizeMethod::papers) {
+    throw UsageError("--track: expected --method auto, dense or features with it, found papers");
+  }
+  if (options.join > 1 && options.localize.method == LocalizeMethod::papers) {
+    throw UsageError("--join: expected --method auto, dense or features with it, found papers");
+  }
   if (!options.svg.empty() && !options.scan) { throw UsageError("--svg: expected --scan with it, to show one scan"); }
   if (options.samples && options.localize.method != LocalizeMethod::papers) {
     throw UsageError("--samples: expected --method papers with it, whose matches are the samples");
@@ -154,6 +80,16 @@ void check_options(const Options& options, const PlaceMap& map) {
   if (options.localize.papers.match.distance == Distance::variance_chi_square && !map.has_variances()) {
     throw UsageError("--match-distance variance-chi-square: expected a map with variances (flirt map --variances)");
   }
+}
+
+/// The scan alone, or with --join together with those before it.
+LocalizationResult localize_scan(Localizer& localizer, const Options& options, const ScanLog& log, std::size_t scan,
+                                 LocalizeTimes* times = nullptr) {
+  if (options.join == 1) { return localizer.localize(log.scans[scan], {}, times); }
+  const std::size_t count = std::min(options.join, scan + 1);
+  const ScanPoints joined =
+      join_scans(std::span(log.scans).subspan(scan + 1 - count, count), options.localize.search.points);
+  return localizer.localize_points(log.scans[scan], joined, {}, times);
 }
 
 /// One query uses all threads, several share them.
@@ -170,7 +106,7 @@ std::vector<Answer> answers(const Options& options, const PlaceMap& map, const S
         }
         LocalizeTimes times;
         const std::size_t scan = scans[k];
-        const LocalizationResult result = localizers[thread]->localize(log.scans[scan], {}, &times);
+        const LocalizationResult result = localize_scan(*localizers[thread], options, log, scan, &times);
         const PoseHypothesis* best = result.best();
         Answer& answer = found[k];
         answer.outcome = {.scan = scan,
@@ -180,7 +116,7 @@ std::vector<Answer> answers(const Options& options, const PlaceMap& map, const S
                           .time_us = times.total_us()};
         answer.places = result.hypotheses.size();
         answer.line = answer_line(scan, result, answer.outcome.pose_in_log);
-        answer.json = answer_json(scan, result, times, options);
+        answer.json = answer_json(scan, result, times, {options.hypotheses, options.samples});
       },
       progress_bar(session, "localizing"));
   return found;
@@ -189,7 +125,8 @@ std::vector<Answer> answers(const Options& options, const PlaceMap& map, const S
 /// The picture of one scan's answer.
 CaptionedFigure example(const Options& options, const PlaceMap& map, const std::vector<Point2>& points,
                         const ScanLog& log, std::size_t scan) {
-  const LocalizationResult result = localize(map, log.scans[scan], options.localize);
+  Localizer localizer(map, options.localize);
+  const LocalizationResult result = localize_scan(localizer, options, log, scan);
   const std::string caption =
       fmt::format("Scan {}: {} ({})", scan, to_string(result.verdict), to_string(result.reason));
   return {localization_picture(points, log.scans[scan], result, pose_in_log(log, scan), caption), caption};
@@ -227,24 +164,51 @@ void write_pictures(const Options& options, const PlaceMap& map, const ScanLog& 
   value_or_quit(write_file_atomically(out / "report.html", localize_report(title, outcomes, points, examples)));
 }
 
+/// --track: all scans in order.
+int run_track(Options& options, const Session& session, const PlaceMap& map, const DrivenLog& driven) {
+  options.tracker.localize = options.localize;
+  options.tracker.seed = session.seed;
+  const std::vector<TrackedScan> tracked = track(map, driven, options.tracker, session);
+  nlohmann::ordered_json json{{"map", options.map}, {"log", options.log}};
+  json.update(track_json(driven, tracked, options.hypotheses));
+  json["method"] = options.flags.method();
+  json["params"] = options.params.json();
+  json["seed"] = session.seed;
+  json.update(provenance());
+  write_json(session, json);
+  if (session.talks()) {
+    for (std::size_t i = 0; i < tracked.size() && !options.summary_only; ++i) {
+      fmt::print("{}\n", track_line(i, tracked[i]));
+    }
+    fmt::print("{}", track_text(driven, tracked));
+  }
+  return summarise(tracked).unique == 0 ? exit_not_found : exit_done;
+}
+
 int run(Options& options, const Session& session) {
   options.params.resolve(session.config);
   options.localize = options.flags.localize(session.seed);
   const PlaceMap map = value_or_quit(read_place_map(options.map));
   check_options(options, map);
-  const LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
-  const std::vector<Answer> found = answers(options, map, loaded.log, session);
+  const DrivenLog driven = with_odometry(value_or_quit(read_log(options.log, {}, progress_bar(session, "reading"))));
+  if (options.track) { return run_track(options, session, map, driven); }
+  if (options.join > 1 && driven.odometry == "none") {
+    throw BadInput(options.log + ": --join expected a log with odometry, found none");
+  }
+  const ScanLog& log = driven.log;
+  const std::vector<Answer> found = answers(options, map, log, session);
   std::vector<LocalizedScan> outcomes;
   nlohmann::ordered_json json{{"map", options.map}, {"log", options.log}, {"queries", nlohmann::ordered_json::array()}};
   for (const Answer& answer : found) {
     outcomes.push_back(answer.outcome);
     json["queries"].push_back(answer.json);
   }
+  if (options.join > 1) { json.update({{"join", options.join}, {"odometry", driven.odometry}}); }
   json["method"] = options.flags.method();
   json["params"] = options.params.json();
   json["seed"] = session.seed;
   json.update(provenance());
-  write_pictures(options, map, loaded.log, found, outcomes);
+  write_pictures(options, map, log, found, outcomes);
   write_json(session, json);
   if (session.talks()) {
     if (!options.summary_only) {
@@ -270,12 +234,24 @@ void add_localize(CLI::App& program, Session& session) {
       ->check(CLI::Range(1, 1000000))
       ->excludes(scan);
   command->add_option("--hypotheses", options->hypotheses, "best places of a scan in the JSON, at most (default 10)");
+  command
+      ->add_option("--join", options->join,
+                   "search for each scan together with those before it, N in all, by the log's odometry (default 1)")
+      ->check(CLI::Range(1, 1000));
   command->add_option("--svg", options->svg, "picture of one scan's answer, with --scan");
   command->add_option("-o,--output", options->out, "folder for report.html: success, times, and pictures");
   command->add_flag("--summary", options->summary_only, "print the summary alone, not a line for each scan");
   command->add_flag("--samples", options->samples,
                     "with --method papers, add every match to the JSON: weighted samples of p(pose | scan, map)");
+  CLI::Option* track =
+      command->add_flag("--track", options->track, "follow the robot through all scans in order, by the log's odometry")
+          ->excludes(scan);
+  for (const char* other : {"--every", "--svg", "--output", "--samples", "--join"}) {
+    track->excludes(command->get_option(other));
+  }
   options->flags.add(*command, options->params);
+  options->params.add(*command, "track", options->tracker);
+  options->params.add(*command, "uniform", options->tracker.uniform);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

@@ -67,7 +67,8 @@ bool Localizer::votes_needed(const MapFields& fields) const {
          (params_.method == LocalizeMethod::automatic && fields.coarse.searched_area() > params_.largest_dense);
 }
 
-LocalizationResult Localizer::by_evidence(const Scan& scan, ScanInterval excluded, LocalizeTimes& times) {
+LocalizationResult Localizer::by_evidence(const Scan& scan, const ScanPoints& points, ScanInterval excluded,
+                                          LocalizeTimes& times) {
   Stopwatch stopwatch;
   const MapFields& fields = evidence_.fields(excluded);
   if (votes_needed(fields) && (!landmarks_ || excluded_ != excluded)) {
@@ -80,7 +81,6 @@ LocalizationResult Localizer::by_evidence(const Scan& scan, ScanInterval exclude
     result.reason = Reason::empty_map;
     return result;
   }
-  const ScanPoints points = scan_points(scan, params_.search.points);
   result.points = static_cast<std::uint32_t>(points.size());
   const std::vector<CoarsePose> coarse = candidates(fields, scan, points, times);
   stopwatch.lap_us();
@@ -119,8 +119,17 @@ LocalizationResult Localizer::by_papers(const Scan& scan, ScanInterval excluded,
 
 LocalizationResult Localizer::localize(const Scan& scan, ScanInterval excluded, LocalizeTimes* times) {
   LocalizeTimes taken;
-  LocalizationResult result =
-      params_.method == LocalizeMethod::papers ? by_papers(scan, excluded, taken) : by_evidence(scan, excluded, taken);
+  LocalizationResult result = params_.method == LocalizeMethod::papers
+                                  ? by_papers(scan, excluded, taken)
+                                  : by_evidence(scan, scan_points(scan, params_.search.points), excluded, taken);
+  if (times != nullptr) { *times = taken; }
+  return result;
+}
+
+LocalizationResult Localizer::localize_points(const Scan& scan, const ScanPoints& points, ScanInterval excluded,
+                                              LocalizeTimes* times) {
+  LocalizeTimes taken;
+  LocalizationResult result = by_evidence(scan, points, excluded, taken);
   if (times != nullptr) { *times = taken; }
   return result;
 }

@@ -99,12 +99,19 @@ class Localizer {
   /// Map scans in `excluded` do not take part, as if they weren't there.
   [[nodiscard]] LocalizationResult localize(const Scan& scan, ScanInterval excluded = {},
                                             LocalizeTimes* times = nullptr);
+  /// The same with `points` as the end points of the scan, for example of the last few scans together (join_scans).
+  /// Not for the method `papers`.
+  [[nodiscard]] LocalizationResult localize_points(const Scan& scan, const ScanPoints& points,
+                                                   ScanInterval excluded = {}, LocalizeTimes* times = nullptr);
+  /// The map's evidence without the scans in `excluded`, which queries are scored by; valid until the next call.
+  [[nodiscard]] const MapFields& fields(ScanInterval excluded = {}) { return evidence_.fields(excluded); }
 
  private:
   [[nodiscard]] std::vector<CoarsePose> candidates(const MapFields& fields, const Scan& scan, const ScanPoints& points,
                                                    LocalizeTimes& times);
   [[nodiscard]] bool votes_needed(const MapFields& fields) const;
-  [[nodiscard]] LocalizationResult by_evidence(const Scan& scan, ScanInterval excluded, LocalizeTimes& times);
+  [[nodiscard]] LocalizationResult by_evidence(const Scan& scan, const ScanPoints& points, ScanInterval excluded,
+                                               LocalizeTimes& times);
   [[nodiscard]] Features features_of(const Scan& scan, LocalizeTimes& times);
   [[nodiscard]] LocalizationResult by_papers(const Scan& scan, ScanInterval excluded, LocalizeTimes& times);
 

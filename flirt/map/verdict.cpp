@@ -8,14 +8,6 @@ namespace {
 
 constexpr double usual_points = 80;
 
-/// Why the best place is none: the term that costs most of the score of a perfect fit.
-Reason why_not(const EvidenceScore& score) {
-  if (score.unknown > 0.5) { return Reason::outside_map; }
-  const double contradicted = score.free + score.through;
-  const double unexplained = 1 - score.likelihood - score.free;
-  return contradicted > std::max(0.2, unexplained) ? Reason::contradicted_by_free_space : Reason::poor_fit;
-}
-
 }  // namespace
 
 double confidence_of(std::span<const ScoredPose> distinct_poses, std::size_t points, const VerdictParams& params) {
@@ -39,6 +31,13 @@ Judgement judge_answer(std::span<const ScoredPose> distinct_poses, std::size_t p
   const bool sure_alone = confidence_of(distinct_poses.first(1), points, params) >= params.min_confidence;
   return {Verdict::ambiguous, twin || sure_alone ? Reason::second_place_too_close : Reason::little_evidence,
           confidence};
+}
+
+Reason why_not(const EvidenceScore& score) {
+  if (score.unknown > 0.5) { return Reason::outside_map; }
+  const double contradicted = score.free + score.through;
+  const double unexplained = 1 - score.likelihood - score.free;
+  return contradicted > std::max(0.2, unexplained) ? Reason::contradicted_by_free_space : Reason::poor_fit;
 }
 
 std::vector<double> weights_of(std::span<const ScoredPose> distinct_poses, const VerdictParams& params) {

@@ -108,6 +108,9 @@ struct Judgement {
 [[nodiscard]] Judgement judge_answer(std::span<const ScoredPose> distinct_poses, std::size_t points,
                                      const VerdictParams& params = {});
 
+/// Why a place is none, lost: the term that costs most of the score of a perfect fit.
+[[nodiscard]] Reason why_not(const EvidenceScore& score);
+
 /// Relative probability of each pose, in their order, summing to 1: samples of p(x | z, m) for a particle filter.
 [[nodiscard]] std::vector<double> weights_of(std::span<const ScoredPose> distinct_poses,
                                              const VerdictParams& params = {});

@@ -94,10 +94,12 @@ double EvidenceScorer::through(const ScanPoints& points, const Pose2& map_from_s
   const auto x0 = static_cast<float>((map_from_sensor.x - fields_->origin.x) / fields_->cell_size);
   const auto y0 = static_cast<float>((map_from_sensor.y - fields_->origin.y) / fields_->cell_size);
   const auto margin = static_cast<float>(params_.through_margin);
-  const std::size_t beams = (points.size() + stride - 1) / stride;
+  std::size_t beams = 0;
+  for (std::size_t i = 0; i < points.size(); i += stride) { beams += points.range[i] > 0 ? 1U : 0U; }
   const double most_beams = most * static_cast<double>(beams);
   int crossing = 0;
   for (std::size_t i = 0; i < points.size(); i += stride) {
+    if (points.range[i] <= 0) { continue; }
     const float inverse_range = 1.0F / points.range[i];
     const float dx = (c * points.x[i] - s * points.y[i]) * inverse_range;
     const float dy = (s * points.x[i] + c * points.y[i]) * inverse_range;

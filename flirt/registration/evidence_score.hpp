@@ -52,7 +52,7 @@ class EvidenceScorer {
   [[nodiscard]] EvidenceScore score(const ScanPoints& points, const Pose2& map_from_sensor) const;
 
   /// Share of every `stride`-th beam that crosses something solid more than the margin before its end. Once it is sure
-  /// to exceed `most`, 1 is returned.
+  /// to exceed `most`, 1 is returned. Points without a beam (ScanPoints::range 0) don't count.
   [[nodiscard]] double through(const ScanPoints& points, const Pose2& map_from_sensor, std::size_t stride = 1,
                                double most = 1) const;
 

@@ -29,7 +29,7 @@ void visit_fields(Params& params, Visitor&& visit) {
 struct ScanPoints {
   std::vector<float> x{};      ///< m
   std::vector<float> y{};      ///< m
-  std::vector<float> range{};  ///< m, √(x² + y²)
+  std::vector<float> range{};  ///< m, √(x² + y²); 0: seen from another place, no beam of this one ended here
 
   [[nodiscard]] std::size_t size() const { return x.size(); }
 };

@@ -47,7 +47,7 @@ class Cli(unittest.TestCase):
         return json.loads(self.ok(*arguments, "--json", "-").stdout)
 
     def test_every_command_has_help_with_an_example(self):
-        for command in (["info"], ["detect"], ["match"], ["map"], ["localize"], ["slam"], ["simulate"], ["bench", "localization"]):
+        for command in (["info"], ["detect"], ["match"], ["map"], ["localize"], ["slam"], ["simulate"], ["bench", "localization"], ["bench", "tracking"]):
             self.assertIn("Example: flirt " + command[0], self.ok(*command, "--help").stdout)
 
     def test_slam_writes_a_map_that_other_commands_read(self):

@@ -1,0 +1,94 @@
+#include "flirt/map/particles.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace flirt {
+namespace {
+
+std::vector<Particle> in_bins(int bins, int each) {
+  std::vector<Particle> particles;
+  for (int bin = 0; bin < bins; ++bin) {
+    for (int i = 0; i < each; ++i) {
+      particles.push_back({.map_from_robot = {static_cast<double>(bin), 0, 0}, .weight = 1.0 / (bins * each)});
+    }
+  }
+  return particles;
+}
+
+TEST(Particles, LowVarianceResamplingTakesEachAsOftenAsItsWeightSays) {
+  Rng rng(3);
+  std::vector<Particle> particles{{{0, 0, 0}, 0.5}, {{1, 0, 0}, 0.3}, {{2, 0, 0}, 0.2}, {{3, 0, 0}, 0}};
+  std::vector<int> count(4);
+  for (const Particle& particle : resampled(particles, 100, rng)) {
+    ++count[static_cast<std::size_t>(particle.map_from_robot.x)];
+    EXPECT_EQ(particle.weight, 0.01);
+  }
+  EXPECT_NEAR(count[0], 50, 1);
+  EXPECT_NEAR(count[1], 30, 1);
+  EXPECT_NEAR(count[2], 20, 1);
+  EXPECT_EQ(count[3], 0);
+}
+
+TEST(Particles, EffectiveCountIsAllWhenEvenAndOneWhenOneHasItAll) {
+  EXPECT_NEAR(effective_count(in_bins(10, 5)), 50, 1e-9);
+  EXPECT_EQ(effective_count(std::vector<Particle>{{{}, 1}, {{}, 0}}), 1);
+  EXPECT_EQ(effective_count({}), 0);
+}
+
+TEST(Particles, KldCountIsTheChiSquareQuantile) {
+  // n = χ²(k − 1; .99) / (2 · 0.05); χ² quantiles by tables: 9 degrees 21.67, 99 degrees 134.64.
+  EXPECT_NEAR(static_cast<double>(kld_count(in_bins(10, 2), 0.5, 0.2, 0.05, 2.326)), 216.7, 3);
+  EXPECT_NEAR(static_cast<double>(kld_count(in_bins(100, 1), 0.5, 0.2, 0.05, 2.326)), 1346.4, 5);
+  EXPECT_EQ(kld_count(in_bins(1, 7), 0.5, 0.2, 0.05, 2.326), 1U);
+  EXPECT_EQ(kld_count({}, 0.5, 0.2, 0.05, 2.326), 0U);
+}
+
+TEST(Particles, MotionWithoutNoiseIsTheOdometry) {
+  Rng rng(1);
+  const MotionNoise none{0, 0, 0, 0, 0, 0, 0};
+  std::vector<Particle> particles{{{1, 2, 0.5}, 1}};
+  const Pose2 motion{0.3, 0.1, -0.2};
+  move_particles(particles, motion, none, rng);
+  EXPECT_LT(distance(particles[0].map_from_robot, Pose2{1, 2, 0.5} * motion), 1e-12);
+  const Pose2 before = particles[0].map_from_robot;
+  move_particles(particles, std::nullopt, none, rng);
+  EXPECT_EQ(particles[0].map_from_robot, before);
+}
+
+TEST(Particles, NoiseGrowsWithTheRootOfTheWay) {
+  Rng rng(2);
+  const MotionNoise noise{.translation = 0.1, .rotation = 0, .heading = 0, .still_translation = 0, .still_rotation = 0};
+  const auto deviation = [&](double way) {
+    std::vector<Particle> particles(4000, Particle{{}, 1.0 / 4000});
+    move_particles(particles, Pose2{way, 0, 0}, noise, rng);
+    double squares = 0;
+    for (const Particle& particle : particles) { squares += std::pow(particle.map_from_robot.x - way, 2); }
+    return std::sqrt(squares / 4000);
+  };
+  EXPECT_NEAR(deviation(1), 0.1, 0.005);
+  EXPECT_NEAR(deviation(4), 0.2, 0.01);
+}
+
+TEST(Particles, ClustersAreTheHeapsHeaviestFirst) {
+  std::vector<Particle> particles = in_bins(2, 50);
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    Particle& particle = particles[i];
+    particle.weight = i < 50 ? 0.006 : 0.014;
+    particle.map_from_robot.y = 0.001 * static_cast<double>(i % 50);
+    if (i >= 50) { particle.map_from_robot.theta = i % 2 == 0 ? 3.1 : -3.1; }  // across the jump of the angle
+  }
+  const std::vector<TrackCluster> clusters = clusters_of(particles, 0.5, 0.2, 10);
+  ASSERT_EQ(clusters.size(), 2U);
+  EXPECT_NEAR(clusters[0].share, 0.7, 1e-9);
+  EXPECT_NEAR(clusters[0].map_from_robot.x, 1, 1e-9);
+  EXPECT_NEAR(std::abs(clusters[0].map_from_robot.theta), 3.14159, 1e-2);
+  EXPECT_NEAR(clusters[0].covariance(2, 2), std::pow(3.14159 - 3.1, 2), 1e-4);
+  EXPECT_NEAR(clusters[1].share, 0.3, 1e-9);
+  EXPECT_NEAR(clusters[1].map_from_robot.y, 0.0245, 1e-9);
+}
+
+}  // namespace
+}  // namespace flirt
