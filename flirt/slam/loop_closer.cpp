@@ -119,7 +119,8 @@ Closure LoopCloser::closure(const Found& found, std::span<const Pose2> map_from_
   return closure;
 }
 
-std::vector<Closure> LoopCloser::add(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node) {
+std::vector<Closure> LoopCloser::add(std::span<const SlamScan> scans, const PoseGraph& graph) {
+  const std::span<const Pose2> map_from_node = graph.map_from_node;
   const std::size_t node = scans.size() - 1;
   travel_.push_back(node == 0 ? 0 : travel_.back() + distance(map_from_node[node - 1], map_from_node[node]));
   if (travel_.back() - last_query_ < params_.loop_every) { return {}; }

@@ -4,6 +4,7 @@
 #include "flirt/graph/pose_graph.hpp"
 #include "flirt/registration/local_map.hpp"
 #include "flirt/registration/surface_alignment.hpp"
+#include "flirt/slam/closure.hpp"
 #include "flirt/slam/slam_params.hpp"
 #include "flirt/slam/slam_scan.hpp"
 
@@ -15,13 +16,6 @@
 
 namespace flirt {
 
-/// An earlier visit found: edges to earlier scans, and how far the graph was off.
-struct Closure {
-  std::vector<PoseEdge> edges{};
-  double translation{0};  ///< m, between the pose in the graph and the one found
-  double rotation{0};     ///< rad
-};
-
 /// Keeps a local map of the earlier scans around the robot, from query to query. A place found is believed when it
 /// agrees well, clearly better than any other in the window, and when the query before or after found the same
 /// displacement of the graph.
@@ -30,7 +24,7 @@ class LoopCloser {
   explicit LoopCloser(const SlamParams& params) : params_(params) {}
 
   /// To be called for every scan that the graph gets; `scans[i]` belongs to node i. Closures that the scan brings.
-  [[nodiscard]] std::vector<Closure> add(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node);
+  [[nodiscard]] std::vector<Closure> add(std::span<const SlamScan> scans, const PoseGraph& graph);
 
  private:
   struct Placed {

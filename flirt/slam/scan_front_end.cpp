@@ -1,8 +1,7 @@
 #include "flirt/slam/scan_front_end.hpp"
 
 #include "flirt/registration/window_search.hpp"
-
-#include <Eigen/Eigenvalues>
+#include "flirt/slam/hold.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,34 +17,6 @@ constexpr std::uint32_t most_blind = 3;    // scans in a row without a believabl
 /// Metres plus half a metre a radian: turning shows new things, too.
 double way(const Pose2& motion) {
   return norm(motion.translation()) + 0.5 * std::abs(motion.theta);
-}
-
-/// How well a scan's surfaces hold it in place.
-struct Hold {
-  double weakest{0};       ///< least information about a direction of translation, heading being free, a point; 0..1
-  Point2 direction{1, 0};  ///< that direction, frame of the robot
-};
-
-/// By the points' own normals alone: lone points far down a corridor agree with the map wherever they are.
-Hold hold_of(const SurfacePoints& points) {
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  int surfaces = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (points.normal_x[i] == 0 && points.normal_y[i] == 0) { continue; }
-    const double nx = points.normal_x[i];
-    const double ny = points.normal_y[i];
-    const Eigen::Vector3d jacobian(nx, ny, points.x[i] * ny - points.y[i] * nx);
-    information += jacobian * jacobian.transpose();
-    ++surfaces;
-  }
-  if (surfaces == 0) { return {}; }
-  const double heading = std::max(information(2, 2), 1e-9);
-  const Eigen::Matrix2d translation = information.topLeftCorner<2, 2>() - information.topRightCorner<2, 1>() *
-                                                                              information.bottomLeftCorner<1, 2>() /
-                                                                              heading;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(translation);
-  const Eigen::Vector2d direction = solver.eigenvectors().col(0);
-  return {solver.eigenvalues().x() / surfaces, {direction.x(), direction.y()}};
 }
 
 /// A point with no surface fitted to it that lies in line with its neighbours: a wall at a grazing angle, where it is
@@ -151,7 +122,7 @@ void ScanFrontEnd::remember(const SlamScan& scan, const Pose2& local_from_robot)
   add_to_map(scan.points, local_from_robot);
 }
 
-void ScanFrontEnd::add_relative(Motion& motion, const Judged& found) const {
+void ScanFrontEnd::add_relative(ScanMotion& motion, const Judged& found) const {
   const Eigen::Vector3d floor(params_.floor_translation, params_.floor_translation, params_.floor_rotation);
   const Eigen::Matrix3d least = floor.cwiseProduct(floor).cwiseInverse().asDiagonal();
   const Eigen::Matrix3d information = edge_information(found.terms.information, params_.range_sigma, least);
@@ -188,8 +159,8 @@ void ScanFrontEnd::keep_prediction(Judged& found, const Pose2& prediction, Point
   found.terms.information = rest * found.terms.information * rest;
 }
 
-Motion ScanFrontEnd::add(const SlamScan& scan) {
-  Motion motion;
+ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
+  ScanMotion motion;
   if (recent_.empty()) {
     remember(scan, {});
     return motion;

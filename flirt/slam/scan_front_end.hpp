@@ -19,7 +19,7 @@ class ScanFrontEnd {
  public:
   explicit ScanFrontEnd(const SlamParams& params) : params_(params) {}
 
-  [[nodiscard]] Motion add(const SlamScan& scan);
+  [[nodiscard]] ScanMotion add(const SlamScan& scan);
 
  private:
   struct Judged {
@@ -44,7 +44,7 @@ class ScanFrontEnd {
   [[nodiscard]] bool stands_out(const SurfacePoints& points, const Pose2& local_from_robot,
                                 Point2 direction_in_robot) const;
   static void keep_prediction(Judged& found, const Pose2& prediction, Point2 direction_in_robot);
-  void add_relative(Motion& motion, const Judged& found) const;
+  void add_relative(ScanMotion& motion, const Judged& found) const;
 
   SlamParams params_;
   LocalMap map_{};

@@ -3,7 +3,9 @@
 
 #include "flirt/core/fields.hpp"
 #include "flirt/core/pose2.hpp"
+#include "flirt/graph/optimize.hpp"
 #include "flirt/registration/surface_points.hpp"
+#include "flirt/slam/flirt_params.hpp"
 
 #include <array>
 #include <concepts>
@@ -15,10 +17,16 @@ namespace flirt {
 
 /// How the motion from one scan to the next is found.
 enum class FrontEndKind : std::uint8_t {
-  scan,  ///< the whole scan against the accumulated map of the last metres
+  automatic,  ///< `scan`, helped by keypoints where it is not sure, and loops closed anywhere in the map
+  scan,       ///< the whole scan against the accumulated map of the last metres, loops closed in a window
+  flirt,      ///< the papers' algorithm 1 as printed: keypoints alone, against all scans of the map
+  olson,      ///< correlative search against the scan before alone, for comparison
+  icp,        ///< points drawn onto lines of the scan before alone, for comparison
 };
 constexpr auto enum_names(FrontEndKind /*tag*/) {
-  return std::array{std::pair{FrontEndKind::scan, std::string_view("scan")}};
+  using enum FrontEndKind;
+  return std::array<std::pair<FrontEndKind, std::string_view>, 5>{
+      {{automatic, "auto"}, {scan, "scan"}, {flirt, "flirt"}, {olson, "olson"}, {icp, "icp"}}};
 }
 
 /// Whether the robot's own dead reckoning is used.
@@ -32,13 +40,15 @@ constexpr auto enum_names(OdometryUse /*tag*/) {
 }
 
 struct SlamParams {
-  FrontEndKind front_end{FrontEndKind::scan};
+  FrontEndKind front_end{FrontEndKind::automatic};
+  Backend backend{Backend::ceres};  ///< optimizer of the pose graph; the papers': toro
   OdometryUse odometry{OdometryUse::use};
   std::uint32_t window{0};  ///< > 0: incremental mapping over the last `window` scans: no odometry, no loop closing
   double start_x{0};        ///< m, pose of the robot at the first scan
   double start_y{0};        ///< m
   double start_theta{0};    ///< rad
   SurfacePointParams points{};
+  FlirtParams flirt{};  ///< of the front end `flirt`
 
   std::uint32_t map_scans{20};       ///< scans in the accumulated map, at least
   double map_travel{6};              ///< m of travel that the accumulated map covers, at least
@@ -83,12 +93,14 @@ template <class Params, class Visitor>
   requires std::same_as<std::remove_const_t<Params>, SlamParams>
 void visit_fields(Params& params, Visitor&& visit) {
   visit(params.front_end, Field{"front_end", "", "how the motion between scans is found"});
+  visit(params.backend, Field{"backend", "", "optimizer of the pose graph; the papers': toro"});
   visit(params.odometry, Field{"odometry", "", "whether the robot's dead reckoning is used"});
   visit(params.window, Field{"window", "", "incremental mapping over the last N scans; 0: whole map", 0, 1e6});
   visit(params.start_x, Field{"start_x", "m", "pose of the robot at the first scan", -1e6, 1e6});
   visit(params.start_y, Field{"start_y", "m", "pose of the robot at the first scan", -1e6, 1e6});
   visit(params.start_theta, Field{"start_theta", "rad", "pose of the robot at the first scan", -3.2, 3.2});
   visit_fields(params.points, visit);
+  visit_fields(params.flirt, visit);
   visit(params.map_scans, Field{"map_scans", "", "scans in the accumulated map, at least", 1, 1000});
   visit(params.map_travel, Field{"map_travel", "m", "travel that the accumulated map covers, at least", 0, 20});
   visit(params.narrow_extent, Field{"narrow_extent", "m", "half width of the first search", 0.1, 5});
