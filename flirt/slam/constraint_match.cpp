@@ -47,6 +47,16 @@ ConstraintMatch refined(const SlamScan& earlier, const SlamScan& query, Constrai
   return found;
 }
 
+/// Mean distance of the query's points from the lines of the reference, m; those that lie where the reference saw free
+/// space count with the largest distance compared. Nothing when too few points can be compared.
+std::optional<double> reprojection_error(const Verification& verified) {
+  constexpr double largest = VerifyParams{}.line_distance;
+  constexpr double least_overlap = 0.3;
+  const double compared = verified.line_points + verified.free_points;
+  if (verified.line_points == 0 || compared < least_overlap * verified.query_points) { return std::nullopt; }
+  return (verified.line_points * verified.mean_line_residual + verified.free_points * largest) / compared;
+}
+
 }  // namespace
 
 ConstraintMatcher::ConstraintMatcher(const FlirtParams& params)
@@ -78,10 +88,10 @@ std::optional<ConstraintMatch> ConstraintMatcher::verified(const SlamScan& earli
   if (params_.refinement == FlirtRefinement::icp) { found = refined(earlier, *query_, found); }
   const Pose2 reference_from_query =
       inverse(earlier.scan.robot_from_sensor) * found.earlier_from_robot * query_->scan.robot_from_sensor;
-  const Verification there = verify(query_->scan, earlier.scan, reference_from_query);
-  const Verification back = verify(earlier.scan, query_->scan, inverse(reference_from_query));
-  if (there.line_points == 0 || back.line_points == 0) { return std::nullopt; }
-  found.scan_error = std::max(there.median_line_residual, back.median_line_residual);
+  const auto there = reprojection_error(verify(query_->scan, earlier.scan, reference_from_query));
+  const auto back = reprojection_error(verify(earlier.scan, query_->scan, inverse(reference_from_query)));
+  if (!there || !back) { return std::nullopt; }
+  found.scan_error = std::max(*there, *back);
   if (found.scan_error >= params_.max_scan_error) { return std::nullopt; }
   return found;
 }

@@ -17,7 +17,7 @@ struct ConstraintMatch {
   Eigen::Matrix3d information{Eigen::Matrix3d::Identity()};  ///< as PoseEdge::information
   std::uint32_t inliers{0};
   double inlier_error{0};  ///< m, mean distance of the inliers
-  double scan_error{0};    ///< m, median distance of the points of each scan from the other's lines; the larger median
+  double scan_error{0};    ///< m, mean distance of each scan's points from the other's lines; the larger of the two
 };
 
 /// More inliers first, then smaller error.

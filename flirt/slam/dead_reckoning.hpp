@@ -28,12 +28,13 @@ class DeadReckoning {
     const FlirtParams& flirt = params_.flirt;
     Eigen::Vector3d deviation(flirt.constant_translation, flirt.constant_translation, flirt.constant_rotation);
     if (uses_odometry(scan)) {
-      constexpr double turn_a_metre = 0.05;
+      constexpr double turn_a_metre = 0.05;  // rad/m
+      constexpr double least = 0.05;         // m and rad; also what a turn may shift the robot per rad
       const Pose2 moved = motion(scan);
       const double way = norm(moved.translation());
-      const double translation = 0.01 + flirt.odometry_translation * way;
-      deviation = {translation, translation,
-                   0.01 + flirt.odometry_rotation * std::abs(moved.theta) + turn_a_metre * way};
+      const double turn = std::abs(moved.theta);
+      const double translation = least + flirt.odometry_translation * way + least * turn;
+      deviation = {translation, translation, least + flirt.odometry_rotation * turn + turn_a_metre * way};
     }
     return deviation.cwiseProduct(deviation).cwiseInverse().asDiagonal();
   }

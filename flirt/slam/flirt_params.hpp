@@ -33,7 +33,7 @@ constexpr auto enum_names(FlirtGate /*tag*/) {
 struct FlirtParams {
   std::uint32_t min_inliers{6};         ///< a constraint has more inliers than this (n_min)
   double max_inlier_error{0.05};        ///< m, and a smaller mean distance of its inliers (E_max)
-  double max_scan_error{0.05};          ///< m, and a smaller median distance of points from lines, both scans in full
+  double max_scan_error{0.05};          ///< m, and a smaller reprojection error of both scans in full
   std::uint32_t best_constraints{15};   ///< of a step, at most
   std::uint32_t featureless_below{10};  ///< keypoints; fewer are a featureless place
   FlirtGate gate{FlirtGate::shortest_path};
@@ -52,7 +52,8 @@ template <class Params, class Visitor>
 void visit_fields(Params& params, Visitor&& visit) {
   visit(params.min_inliers, Field{"flirt_min_inliers", "", "constraints have more inliers", 2, 1000});
   visit(params.max_inlier_error, Field{"flirt_max_inlier_error", "m", "mean distance of inliers is less", 0, 10});
-  visit(params.max_scan_error, Field{"flirt_max_scan_error", "m", "median distance of points is less", 0, 10});
+  visit(params.max_scan_error,
+        Field{"flirt_max_scan_error", "m", "reprojection error of the full scans is less", 0, 10});
   visit(params.best_constraints, Field{"flirt_best_constraints", "", "of a step, at most", 1, 100000});
   visit(params.featureless_below, Field{"flirt_featureless_below", "", "fewer keypoints: featureless", 0, 1000});
   visit(params.gate, Field{"flirt_gate", "", "consistency of constraints with the graph"});
