@@ -62,6 +62,7 @@ struct Slam::State {
       graph.edges.insert(graph.edges.end(), closure.edges.begin(), closure.edges.end());
       pending_translation = std::max(pending_translation, closure.translation);
       pending_rotation = std::max(pending_rotation, closure.rotation);
+      summary.anywhere += closure.source == ClosureSource::anywhere ? 1 : 0;
       found += closure.edges.front().kind == EdgeKind::loop ? 1 : 0;
     }
     // Small corrections wait for each other.
@@ -92,6 +93,11 @@ struct Slam::State {
 
   void optimize_poses(std::uint32_t iterations) {
     const auto begin = Clock::now();
+    // Least squares alone may end elsewhere when a large part of the map has to swing round.
+    if (pending_translation > 1 || pending_rotation > 0.3) {
+      static_cast<void>(flirt::optimize(graph, {.backend = Backend::toro, .iterations = 30}));
+      iterations = std::max(iterations, 20U);
+    }
     static_cast<void>(flirt::optimize(graph, {.backend = params.backend, .iterations = iterations}));
     pending = 0;
     steps_waited = 0;

@@ -76,11 +76,19 @@ struct SlamParams {
   double loop_extent_growth{0.03};    ///< m per m of travel since the last closure
   double loop_turn{0.105};            ///< rad, half width of the search, and
   double loop_turn_growth{0.005};     ///< rad per m
+  double loop_extent_most{8};         ///< m, half width of the search at most
+  double loop_turn_most{3.1416};      ///< rad, the same for the heading
   double loop_score{8.5};             ///< least score of a closure
   double loop_margin{2};              ///< least lead of its score over a second pose
   double loop_clear_margin{6};        ///< a lead that needs no second query to agree
   double loop_unknown{0.4};           ///< most of the points that may lie where nothing was seen
   std::uint32_t loop_points{100};     ///< least number of points of a query
+  double global_after{30};            ///< m of travel without a closure after which the whole map is searched (auto)
+  double global_every{3};             ///< m of travel between such searches, and
+  double global_agree_travel{1.5};    ///< m once one found something
+  double global_min_travel{20};       ///< m of travel after which scans take part in that map
+  double global_forget_travel{12};    ///< m of travel after which a place found no longer confirms others
+  std::uint32_t global_agreeing{3};   ///< places found that must agree
   std::uint32_t polish_rounds{3};     ///< rounds of joint alignment of all scans at the end
   double polish_keep{0.1};            ///< weight of what was measured before, beside the pairs
   double repair_fit{0.6};     ///< share of a scan's points that its best partners see: with less it is looked for anew
@@ -129,11 +137,20 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.loop_extent_growth, Field{"loop_extent_growth", "1", "its growth per m since the last closure", 0, 1});
   visit(params.loop_turn, Field{"loop_turn", "rad", "half width of the search for closures", 0.02, 3.2});
   visit(params.loop_turn_growth, Field{"loop_turn_growth", "rad/m", "its growth since the last closure", 0, 1});
+  visit(params.loop_extent_most, Field{"loop_extent_most", "m", "half width of that search at most", 0.1, 20});
+  visit(params.loop_turn_most, Field{"loop_turn_most", "rad", "half width of that search at most", 0.02, 3.2});
   visit(params.loop_score, Field{"loop_score", "", "least score of a closure", -50, 50});
   visit(params.loop_margin, Field{"loop_margin", "", "least lead of its score over a second pose", 0, 50});
   visit(params.loop_clear_margin, Field{"loop_clear_margin", "", "a lead that needs no second query", 0, 50});
   visit(params.loop_unknown, Field{"loop_unknown", "1", "most points where nothing was seen", 0, 1});
   visit(params.loop_points, Field{"loop_points", "", "least number of points of a query", 1, 100000});
+  visit(params.global_after,
+        Field{"global_after", "m", "travel without closure until the whole map is searched", 0, 1e9});
+  visit(params.global_every, Field{"global_every", "m", "travel between searches of the whole map", 0.1, 1e9});
+  visit(params.global_agree_travel, Field{"global_agree_travel", "m", "the same once one found something", 0, 1000});
+  visit(params.global_min_travel, Field{"global_min_travel", "m", "travel until scans take part in them", 1, 1e6});
+  visit(params.global_forget_travel, Field{"global_forget_travel", "m", "until a place confirms no more", 0, 1e6});
+  visit(params.global_agreeing, Field{"global_agreeing", "", "places found that must agree", 1, 100});
   visit(params.polish_rounds, Field{"polish_rounds", "", "rounds of joint alignment at the end", 0, 100});
   visit(params.polish_keep, Field{"polish_keep", "1", "weight of what was measured before, beside the pairs", 0, 1});
   visit(params.repair_fit, Field{"repair_fit", "1", "scans whose partners see less of them are looked for", 0, 1});
