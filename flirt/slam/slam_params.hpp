@@ -57,6 +57,7 @@ struct SlamParams {
   double odometry_extent{0.3};       ///< m, half width of the first search, with odometry
   double odometry_turn{0.15};        ///< rad
   double wide_extent{1.3};           ///< m, half width of the search that follows when the first does not convince
+  double widest_extent{3.5};         ///< m, the same where the robot moved far between the last scans
   double convincing_score{11.0};     ///< a score above which the first search is believed
   double usable_score{5.0};          ///< a score below which no pose is believed: prediction instead
   double surprise_translation{1.0};  ///< score lost per m from the predicted pose
@@ -84,7 +85,7 @@ struct SlamParams {
   double loop_unknown{0.4};           ///< most of the points that may lie where nothing was seen
   std::uint32_t loop_points{100};     ///< least number of points of a query
   double global_after{30};            ///< m of travel without a closure after which the whole map is searched (auto)
-  double global_every{3};             ///< m of travel between such searches, and
+  double global_every{6};             ///< m of travel between such searches, and
   double global_agree_travel{1.5};    ///< m once one found something
   double global_min_travel{20};       ///< m of travel after which scans take part in that map
   double global_forget_travel{12};    ///< m of travel after which a place found no longer confirms others
@@ -116,6 +117,7 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.odometry_extent, Field{"odometry_extent", "m", "the same with odometry", 0.1, 5});
   visit(params.odometry_turn, Field{"odometry_turn", "rad", "the same with odometry", 0.02, 3.2});
   visit(params.wide_extent, Field{"wide_extent", "m", "half width of the search that follows", 0.1, 10});
+  visit(params.widest_extent, Field{"widest_extent", "m", "the same where scans are far apart", 0.1, 10});
   visit(params.convincing_score, Field{"convincing_score", "", "the first search is believed above", -50, 50});
   visit(params.usable_score, Field{"usable_score", "", "no pose is believed below", -50, 50});
   visit(params.surprise_translation,
