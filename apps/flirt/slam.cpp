@@ -21,6 +21,7 @@ struct Options {
   bool no_odometry{false};
   std::string window;
   std::string front_end;
+  std::size_t every{1};
   SlamParams slam;
   ParamFlags params;
 };
@@ -32,6 +33,23 @@ void apply_short_flags(Options& options) {
   for (const auto& [kind, name] : enum_names(FrontEndKind{})) {
     if (name == options.front_end) { options.slam.front_end = kind; }
   }
+}
+
+std::string name_of(FrontEndKind front_end) {
+  for (const auto& [kind, name] : enum_names(FrontEndKind{})) {
+    if (kind == front_end) { return std::string(name); }
+  }
+  return {};
+}
+
+ScanLog every_kth(ScanLog log, std::size_t k) {
+  if (k == 1) { return log; }
+  ScanLog thinned;
+  for (std::size_t i = 0; i < log.scans.size(); i += k) {
+    thinned.scans.push_back(std::move(log.scans[i]));
+    if (!log.map_from_robot.empty()) { thinned.map_from_robot.push_back(log.map_from_robot[i]); }
+  }
+  return thinned;
 }
 
 /// What the run made of the log's odometry.
@@ -46,6 +64,7 @@ SlamRun map_log(const Options& options, const ScanLog& log, const Session& sessi
   using Clock = std::chrono::steady_clock;
   SlamRun run{.log = options.log,
               .odometry = odometry_use(options, log),
+              .front_end = name_of(options.slam.front_end),
               .graph = {},
               .steps = {},
               .summary = {},
@@ -87,6 +106,7 @@ int run(Options& options, const Session& session) {
   options.params.resolve(session.config);
   apply_short_flags(options);
   LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
+  loaded.log = every_kth(std::move(loaded.log), options.every);
   const std::filesystem::path folder = value_or_quit(folder_for_results(options.out));
   const SlamRun result = map_log(options, loaded.log, session);
   write_slam_outputs(folder, result, std::move(loaded.log), session);
@@ -112,6 +132,7 @@ void add_slam(CLI::App& program, Session& session) {
   for (const auto& [kind, name] : enum_names(FrontEndKind{})) { front_ends.emplace_back(name); }
   command->add_option("--front-end", options->front_end, "how the motion between scans is found")
       ->check(CLI::IsMember(front_ends));
+  command->add_option("--every", options->every, "use every K-th scan (default 1)")->check(CLI::Range(1, 1000000));
   options->params.add(*command, "slam", options->slam);
   session.on(command, [&session, options] { return run(*options, session); });
 }

@@ -16,6 +16,7 @@ namespace flirt::app {
 struct SlamRun {
   std::string log;
   std::string odometry;  ///< "used", "ignored" or "none in the log"
+  std::string front_end;
   PoseGraph graph;
   std::vector<SlamStep> steps;
   SlamSummary summary;

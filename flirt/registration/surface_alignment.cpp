@@ -71,22 +71,36 @@ std::size_t nearest_alike(const SurfacePoints& reference, float x, float y, floa
   const auto ray_x = x - static_cast<float>(reference.origin.x);
   const auto ray_y = y - static_cast<float>(reference.origin.y);
   const auto bin = static_cast<int>(bin_of(rough_bearing(ray_x, ray_y)));
-  const auto first_bin = static_cast<std::size_t>(std::max(0, bin - reach_bins));
-  const auto last_bin = static_cast<std::size_t>(std::min(static_cast<int>(SurfacePoints::bins), bin + reach_bins + 1));
-  const std::size_t low = reference.first_after[first_bin];
-  const std::size_t high = reference.first_after[last_bin];
-  const std::size_t begin = low > reach_points ? low - reach_points : 0;
-  const std::size_t end = std::min(reference.size(), high + reach_points);
+  constexpr auto bins = static_cast<int>(SurfacePoints::bins);
+  const auto low = static_cast<std::size_t>(std::max(0, bin - reach_bins));
+  const auto high = static_cast<std::size_t>(std::min(bins, bin + reach_bins + 1));
   float best = reach * reach;
   std::size_t nearest = reference.size();
-  for (std::size_t i = begin; i < end; ++i) {
-    const float dx = x - reference.x[i];
-    const float dy = y - reference.y[i];
-    const float squared = dx * dx + dy * dy;
-    if (squared < best && normal_x * reference.normal_x[i] + normal_y * reference.normal_y[i] > 0.7F) {
-      best = squared;
-      nearest = i;
+  const auto look_at = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const float dx = x - reference.x[i];
+      const float dy = y - reference.y[i];
+      const float squared = dx * dx + dy * dy;
+      if (squared < best && normal_x * reference.normal_x[i] + normal_y * reference.normal_y[i] > 0.7F) {
+        best = squared;
+        nearest = i;
+      }
     }
+  };
+  const auto begin_of = [&](std::size_t a_bin) {
+    const std::size_t first = reference.first_after[a_bin];
+    return first > reach_points ? first - reach_points : 0;
+  };
+  const auto end_of = [&](std::size_t a_bin) {
+    return std::min<std::size_t>(reference.size(), reference.first_after[a_bin] + reach_points);
+  };
+  look_at(begin_of(low), end_of(high));
+  // Bearings of ±π are one direction: near it the other end of the list has neighbours, too.
+  if (bin < reach_bins + 1) {
+    look_at(std::max(end_of(high), begin_of(static_cast<std::size_t>(bins + bin - reach_bins))), reference.size());
+  }
+  if (bin >= bins - reach_bins - 1) {
+    look_at(0, std::min(begin_of(low), end_of(static_cast<std::size_t>(bin + reach_bins + 1 - bins))));
   }
   return nearest;
 }
@@ -157,16 +171,17 @@ AlignmentTerms alignment_terms(const SurfacePoints& reference, const SurfacePoin
   return sums.terms();
 }
 
-AlignedPose align_to_map(const LocalMap& map, std::span<const SurfacePoints> scans, const Pose2& start,
-                         const AlignmentPrior& prior, const AlignParams& params) {
+namespace {
+
+/// Newton steps on the terms that `terms_at(pose, width)` gives, the width shrinking.
+template <class TermsAt>
+AlignedPose aligned(const TermsAt& terms_at, const Pose2& start, const AlignmentPrior& prior,
+                    const AlignParams& params) {
   constexpr double shrink = 0.6;
   AlignedPose aligned{start, {}};
   double width = params.start_width;
   for (int i = 0; i < params.iterations; ++i) {
-    aligned.terms = {};
-    for (const SurfacePoints& points : scans) {
-      aligned.terms += alignment_terms(map, points, aligned.map_from_robot, width);
-    }
+    aligned.terms = terms_at(aligned.map_from_robot, width);
     const Pose2 back = inverse(aligned.map_from_robot) * prior.map_from_robot;
     const Eigen::Vector3d from_prior(-back.x, -back.y, -back.theta);
     const Eigen::Matrix3d information = aligned.terms.information + prior.information;
@@ -177,6 +192,26 @@ AlignedPose align_to_map(const LocalMap& map, std::span<const SurfacePoints> sca
     width = std::max(params.end_width, shrink * width);
   }
   return aligned;
+}
+
+}  // namespace
+
+AlignedPose align_to_map(const LocalMap& map, std::span<const SurfacePoints> scans, const Pose2& start,
+                         const AlignmentPrior& prior, const AlignParams& params) {
+  const auto terms_at = [&](const Pose2& map_from_robot, double width) {
+    AlignmentTerms terms;
+    for (const SurfacePoints& points : scans) { terms += alignment_terms(map, points, map_from_robot, width); }
+    return terms;
+  };
+  return aligned(terms_at, start, prior, params);
+}
+
+AlignedPose align_to_scan(const SurfacePoints& reference, const SurfacePoints& query, const Pose2& start,
+                          const AlignmentPrior& prior, const AlignParams& params) {
+  const auto terms_at = [&](const Pose2& reference_from_query, double width) {
+    return alignment_terms(reference, query, reference_from_query, width);
+  };
+  return aligned(terms_at, start, prior, params);
 }
 
 }  // namespace flirt

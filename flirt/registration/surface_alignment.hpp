@@ -59,4 +59,9 @@ struct AlignParams {
 [[nodiscard]] AlignedPose align_to_map(const LocalMap& map, std::span<const SurfacePoints> scans, const Pose2& start,
                                        const AlignmentPrior& prior, const AlignParams& params = {});
 
+/// The same of a scan onto one other: `map_from_robot` of prior and answer are reference_from_query. O(iterations ·
+/// points).
+[[nodiscard]] AlignedPose align_to_scan(const SurfacePoints& reference, const SurfacePoints& query, const Pose2& start,
+                                        const AlignmentPrior& prior, const AlignParams& params = {});
+
 }  // namespace flirt

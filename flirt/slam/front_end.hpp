@@ -1,7 +1,8 @@
 // flirt/slam/front_end.hpp: the seam between mapping and the ways to find the motion from one scan to the next.
 //
-// A front-end is a class with `Motion add(const SlamScan&)`, one alternative of the variant in slam.cpp, and a name in
-// FrontEndKind. It knows nothing of loops and of the map's frame: it answers with motions relative to earlier scans.
+// A front-end is a class with `ScanMotion add(const SlamScan&)`, one alternative of the variant in front_ends.hpp, and
+// a name in FrontEndKind. It knows nothing of loops and of the map's frame: it answers with motions relative to earlier
+// scans.
 #pragma once
 
 #include "flirt/core/pose2.hpp"
@@ -29,6 +30,19 @@ constexpr auto enum_names(MotionSource /*tag*/) {
       {{first, "first"}, {narrow, "narrow"}, {wide, "wide"}, {prediction, "prediction"}}};
 }
 
+/// What a scan's keypoints say about the place (P1 §4.2), where a front-end looks at them.
+enum class Structure : std::uint8_t {
+  unknown,      ///< not looked at
+  structured,   ///< keypoints, and they agree with other scans
+  featureless,  ///< few keypoints
+  cluttered,    ///< many keypoints of which few agree with the scan before: clutter, or no plane world
+};
+constexpr auto enum_names(Structure /*tag*/) {
+  using enum Structure;
+  return std::array<std::pair<Structure, std::string_view>, 4>{
+      {{unknown, "unknown"}, {structured, "structured"}, {featureless, "featureless"}, {cluttered, "cluttered"}}};
+}
+
 /// A scan's pose relative to one `back` scans earlier.
 struct RelativeMotion {
   std::uint32_t back{1};
@@ -37,11 +51,12 @@ struct RelativeMotion {
 };
 
 /// What a front-end says of one scan.
-struct Motion {
+struct ScanMotion {
   MotionSource source{MotionSource::first};
   std::vector<RelativeMotion> relative{};  ///< the first is relative to the scan before; empty for the first scan
   double score{0};                         ///< how well the scan agrees with the scans before
   bool unobservable{false};                ///< some direction of the motion cannot be seen in the scan
+  Structure structure{Structure::unknown};
 };
 
 }  // namespace flirt

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace flirt {
 namespace {
@@ -15,6 +14,15 @@ const double distinct_heading = radians_from_degrees(10);
 
 bool same_place(const Pose2& a, const Pose2& b, double metres, double radians) {
   return distance(a, b) < metres && heading_difference(a, b) < radians;
+}
+
+/// Whether two queries found the same displacement of the graph.
+template <class Found>
+bool agree(const Found& one, const Found& other, std::span<const Pose2> map_from_node) {
+  constexpr double metres = 0.3;
+  const double radians = radians_from_degrees(3);
+  const Pose2 expected = one.map_from_robot * inverse(map_from_node[one.node]) * map_from_node[other.node];
+  return same_place(expected, other.map_from_robot, metres, radians);
 }
 
 }  // namespace
@@ -35,13 +43,13 @@ std::vector<SurfacePoints> LoopCloser::query_scans(std::span<const SlamScan> sca
 }
 
 /// Brings the map of earlier scans up to date: those near the robot, where they are now. False when there are none.
-bool LoopCloser::gather(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, double radius) {
+bool LoopCloser::gather(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, const Pose2& here,
+                        double radius) {
   constexpr double moved = 0.03;    // m, a scan that the graph moved more is placed anew
   constexpr double turned = 0.005;  // rad
   constexpr double spacing = 0.35;  // m, between scans that look the same way
   const double same_way = radians_from_degrees(30);
   constexpr double slack = 3;  // m, before a scan is dropped again
-  const Pose2& here = map_from_node.back();
   std::erase_if(placed_, [&](const Placed& placed) {
     const bool stays = distance(placed.map_from_node, here) < radius + slack &&
                        same_place(placed.map_from_node, map_from_node[placed.node], moved, turned);
@@ -95,20 +103,12 @@ std::optional<LoopCloser::Found> LoopCloser::search(std::span<const SurfacePoint
   return good ? std::optional(best) : std::nullopt;
 }
 
-/// Whether the query before found the same displacement.
-bool LoopCloser::agrees(const Found& found, std::span<const Pose2> map_from_node) const {
-  constexpr double metres = 0.3;
-  const double radians = radians_from_degrees(3);
-  if (!waiting_) { return false; }
-  const Pose2 expected = waiting_->map_from_robot * inverse(map_from_node[waiting_->node]) * map_from_node[found.node];
-  return same_place(expected, found.map_from_robot, metres, radians);
-}
-
 Closure LoopCloser::closure(const Found& found, std::span<const Pose2> map_from_node) const {
   Closure closure;
   const Pose2 off = inverse(map_from_node[found.node]) * found.map_from_robot;
   closure.translation = norm(off.translation());
   closure.rotation = std::abs(off.theta);
+  closure.source = found.source;
   const double share = 1.0 / static_cast<double>(found.near.size());
   const Eigen::Matrix3d information =
       share * edge_information(found.information, params_.range_sigma, Eigen::Matrix3d::Identity());
@@ -119,44 +119,93 @@ Closure LoopCloser::closure(const Found& found, std::span<const Pose2> map_from_
   return closure;
 }
 
-std::vector<Closure> LoopCloser::add(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node) {
+/// The earlier scans that a place found is tied to.
+void LoopCloser::add_nearest(Found& found) const {
+  constexpr std::size_t edges = 3;
+  std::vector<Placed> near = placed_;
+  std::ranges::sort(near, {}, [&](const Placed& placed) {
+    return distance(placed.map_from_node, found.map_from_robot) +
+           0.5 * heading_difference(placed.map_from_node, found.map_from_robot);
+  });
+  near.resize(std::min(edges, near.size()));
+  for (const Placed& placed : near) {
+    found.near.push_back(placed.node);
+    found.map_from_near.push_back(placed.map_from_node);
+  }
+}
+
+/// Earlier visits in a window around the pose in the graph, wider the longer none was found.
+std::vector<Closure> LoopCloser::near(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node,
+                                      std::span<const SurfacePoints> query) {
   const std::size_t node = scans.size() - 1;
-  travel_.push_back(node == 0 ? 0 : travel_.back() + distance(map_from_node[node - 1], map_from_node[node]));
-  if (travel_.back() - last_query_ < params_.loop_every) { return {}; }
-  last_query_ = travel_.back();
   const double since = travel_.back() - last_closure_;
-  const double extent = params_.loop_extent + params_.loop_extent_growth * since;
-  const double turn = std::min(std::numbers::pi, params_.loop_turn + params_.loop_turn_growth * since);
-  if (!gather(scans, map_from_node, sight + extent)) { return {}; }
-  const std::vector<SurfacePoints> query = query_scans(scans, map_from_node);
-  std::size_t points = 0;
-  for (const SurfacePoints& scan : query) { points += scan.size(); }
-  if (points < params_.loop_points) { return {}; }
+  const double extent = std::min(params_.loop_extent + params_.loop_extent_growth * since, params_.loop_extent_most);
+  const double turn = std::min(params_.loop_turn + params_.loop_turn_growth * since, params_.loop_turn_most);
+  if (!gather(scans, map_from_node, map_from_node[node], sight + extent)) { return {}; }
   std::optional<Found> found = search(query, node, map_from_node[node], extent, turn);
   if (!found) {
     waiting_.reset();
     return {};
   }
-  constexpr std::size_t edges = 3;
-  std::vector<Placed> near = placed_;
-  std::ranges::sort(near, {}, [&](const Placed& placed) {
-    return distance(placed.map_from_node, found->map_from_robot) +
-           0.5 * heading_difference(placed.map_from_node, found->map_from_robot);
-  });
-  near.resize(std::min(edges, near.size()));
-  for (const Placed& placed : near) {
-    found->near.push_back(placed.node);
-    found->map_from_near.push_back(placed.map_from_node);
+  add_nearest(*found);
+  const bool confirmed = waiting_ && agree(*waiting_, *found, map_from_node);
+  if (!confirmed && found->margin < params_.loop_clear_margin) {
+    waiting_ = std::move(found);
+    return {};
   }
   std::vector<Closure> closures;
-  const bool confirmed = agrees(*found, map_from_node);
-  if (confirmed || found->margin >= params_.loop_clear_margin) {
-    if (confirmed) { closures.push_back(closure(*waiting_, map_from_node)); }
-    closures.push_back(closure(*found, map_from_node));
+  if (confirmed) { closures.push_back(closure(*waiting_, map_from_node)); }
+  closures.push_back(closure(*found, map_from_node));
+  waiting_.reset();
+  return closures;
+}
+
+/// Earlier visits anywhere in the map.
+std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node,
+                                          std::span<const SurfacePoints> query) {
+  constexpr double extent = 0.4;
+  const double turn = radians_from_degrees(6);
+  const std::size_t node = scans.size() - 1;
+  const double travel = travel_.back();
+  const double every = waiting_anywhere_.empty() ? params_.global_every : params_.global_agree_travel;
+  if (travel - last_closure_ < params_.global_after || travel - last_search_ < every) { return {}; }
+  last_search_ = travel;
+  const auto first_recent = std::ranges::upper_bound(travel_, travel - params_.global_min_travel);
+  const auto earlier = static_cast<std::size_t>(first_recent - travel_.begin());
+  const std::optional<Pose2> place = places_.find(scans, map_from_node, earlier);
+  if (!place || !gather(scans, map_from_node, *place, sight)) { return {}; }
+  std::optional<Found> found = search(query, node, *place, extent, turn);
+  if (!found) { return {}; }
+  found->source = ClosureSource::anywhere;
+  add_nearest(*found);
+  std::erase_if(waiting_anywhere_, [&](const Found& other) {
+    return travel - travel_[other.node] > params_.global_forget_travel || !agree(other, *found, map_from_node);
+  });
+  waiting_anywhere_.push_back(*std::move(found));
+  if (waiting_anywhere_.size() < params_.global_agreeing) { return {}; }
+  std::vector<Closure> closures;
+  for (const Found& agreed : waiting_anywhere_) { closures.push_back(closure(agreed, map_from_node)); }
+  waiting_anywhere_.clear();
+  return closures;
+}
+
+std::vector<Closure> LoopCloser::add(std::span<const SlamScan> scans, const PoseGraph& graph) {
+  const std::span<const Pose2> map_from_node = graph.map_from_node;
+  const std::size_t node = scans.size() - 1;
+  travel_.push_back(node == 0 ? 0 : travel_.back() + distance(map_from_node[node - 1], map_from_node[node]));
+  if (travel_.back() - last_query_ < params_.loop_every) { return {}; }
+  last_query_ = travel_.back();
+  const std::vector<SurfacePoints> query = query_scans(scans, map_from_node);
+  std::size_t points = 0;
+  for (const SurfacePoints& scan : query) { points += scan.size(); }
+  if (points < params_.loop_points) { return {}; }
+  std::vector<Closure> closures = near(scans, map_from_node, query);
+  if (closures.empty() && params_.front_end == FrontEndKind::automatic) {
+    closures = anywhere(scans, map_from_node, query);
+  }
+  if (!closures.empty()) {
     last_closure_ = travel_.back();
-    waiting_.reset();
-  } else {
-    waiting_ = std::move(found);
+    waiting_anywhere_.clear();
   }
   return closures;
 }

@@ -4,6 +4,8 @@
 #include "flirt/graph/pose_graph.hpp"
 #include "flirt/registration/local_map.hpp"
 #include "flirt/registration/surface_alignment.hpp"
+#include "flirt/slam/closure.hpp"
+#include "flirt/slam/global_places.hpp"
 #include "flirt/slam/slam_params.hpp"
 #include "flirt/slam/slam_scan.hpp"
 
@@ -15,22 +17,17 @@
 
 namespace flirt {
 
-/// An earlier visit found: edges to earlier scans, and how far the graph was off.
-struct Closure {
-  std::vector<PoseEdge> edges{};
-  double translation{0};  ///< m, between the pose in the graph and the one found
-  double rotation{0};     ///< rad
-};
-
 /// Keeps a local map of the earlier scans around the robot, from query to query. A place found is believed when it
 /// agrees well, clearly better than any other in the window, and when the query before or after found the same
-/// displacement of the graph.
+/// displacement of the graph. The front-end `automatic`, when no earlier visit was found for long, also asks for the
+/// place of single scans in the whole map; such a place is then verified like any other, and several in a row must
+/// agree.
 class LoopCloser {
  public:
   explicit LoopCloser(const SlamParams& params) : params_(params) {}
 
   /// To be called for every scan that the graph gets; `scans[i]` belongs to node i. Closures that the scan brings.
-  [[nodiscard]] std::vector<Closure> add(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node);
+  [[nodiscard]] std::vector<Closure> add(std::span<const SlamScan> scans, const PoseGraph& graph);
 
  private:
   struct Placed {
@@ -46,14 +43,20 @@ class LoopCloser {
     std::vector<Pose2> map_from_near{};
     double score{0};
     double margin{0};
+    ClosureSource source{ClosureSource::near};
   };
 
   [[nodiscard]] std::vector<SurfacePoints> query_scans(std::span<const SlamScan> scans,
                                                        std::span<const Pose2> map_from_node) const;
-  [[nodiscard]] bool gather(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, double radius);
+  [[nodiscard]] bool gather(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, const Pose2& around,
+                            double radius);
+  void add_nearest(Found& found) const;
   [[nodiscard]] std::optional<Found> search(std::span<const SurfacePoints> query, std::size_t node, const Pose2& at,
                                             double extent, double turn) const;
-  [[nodiscard]] bool agrees(const Found& found, std::span<const Pose2> map_from_node) const;
+  [[nodiscard]] std::vector<Closure> near(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node,
+                                          std::span<const SurfacePoints> query);
+  [[nodiscard]] std::vector<Closure> anywhere(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node,
+                                              std::span<const SurfacePoints> query);
   [[nodiscard]] Closure closure(const Found& found, std::span<const Pose2> map_from_node) const;
 
   SlamParams params_;
@@ -63,6 +66,9 @@ class LoopCloser {
   double last_query_{0};            ///< m of travel
   double last_closure_{0};          ///< m of travel
   std::optional<Found> waiting_{};  ///< found, and not yet agreed with
+  GlobalPlaces places_{};
+  double last_search_{0};                  ///< m of travel, of the whole map
+  std::vector<Found> waiting_anywhere_{};  ///< places found in the whole map that agree with each other
 };
 
 }  // namespace flirt

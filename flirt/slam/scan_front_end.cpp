@@ -1,8 +1,7 @@
 #include "flirt/slam/scan_front_end.hpp"
 
 #include "flirt/registration/window_search.hpp"
-
-#include <Eigen/Eigenvalues>
+#include "flirt/slam/hold.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,34 +17,6 @@ constexpr std::uint32_t most_blind = 3;    // scans in a row without a believabl
 /// Metres plus half a metre a radian: turning shows new things, too.
 double way(const Pose2& motion) {
   return norm(motion.translation()) + 0.5 * std::abs(motion.theta);
-}
-
-/// How well a scan's surfaces hold it in place.
-struct Hold {
-  double weakest{0};       ///< least information about a direction of translation, heading being free, a point; 0..1
-  Point2 direction{1, 0};  ///< that direction, frame of the robot
-};
-
-/// By the points' own normals alone: lone points far down a corridor agree with the map wherever they are.
-Hold hold_of(const SurfacePoints& points) {
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  int surfaces = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (points.normal_x[i] == 0 && points.normal_y[i] == 0) { continue; }
-    const double nx = points.normal_x[i];
-    const double ny = points.normal_y[i];
-    const Eigen::Vector3d jacobian(nx, ny, points.x[i] * ny - points.y[i] * nx);
-    information += jacobian * jacobian.transpose();
-    ++surfaces;
-  }
-  if (surfaces == 0) { return {}; }
-  const double heading = std::max(information(2, 2), 1e-9);
-  const Eigen::Matrix2d translation = information.topLeftCorner<2, 2>() - information.topRightCorner<2, 1>() *
-                                                                              information.bottomLeftCorner<1, 2>() /
-                                                                              heading;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(translation);
-  const Eigen::Vector2d direction = solver.eigenvectors().col(0);
-  return {solver.eigenvalues().x() / surfaces, {direction.x(), direction.y()}};
 }
 
 /// A point with no surface fitted to it that lies in line with its neighbours: a wall at a grazing angle, where it is
@@ -113,45 +84,96 @@ ScanFrontEnd::Judged ScanFrontEnd::search(const SurfacePoints& points, const Pos
   return best;
 }
 
-void ScanFrontEnd::add_to_map(const SurfacePoints& points, const Pose2& local_from_robot) {
+/// The best of the poses that the keypoints of the last scans give.
+ScanFrontEnd::Judged ScanFrontEnd::match_keypoints(const SlamScan& scan, const Pose2& prediction) {
+  constexpr std::size_t most = 6;  // scans
+  Judged best;
+  if (scan.keypoints.x.empty()) { return best; }
+  matcher_.set_query(scan.columns());
+  const std::size_t count = std::min(most, map_scans_.size());
+  for (std::size_t k = 0; k < count; ++k) {
+    const MapScan& earlier = map_scans_[map_scans_.size() - 1 - k];
+    if (earlier.scan.keypoints.x.empty()) { continue; }
+    const auto found = matcher_.align(earlier.scan.columns());
+    if (!found) { continue; }
+    const Pose2 local_from_sensor =
+        earlier.local_from_robot * earlier.scan.scan.robot_from_sensor * found->reference_from_query;
+    const Judged judged = judge(scan.points, local_from_sensor * inverse(scan.scan.robot_from_sensor), prediction);
+    if (judged.score > best.score) { best = judged; }
+  }
+  return best;
+}
+
+/// How far a wide search reaches: as far as the robot moved lately, and a half more.
+double ScanFrontEnd::wide_extent() const {
+  double longest = 0;
+  for (const double step : steps_) { longest = std::max(longest, step); }
+  return std::clamp(1.5 * longest, params_.wide_extent, params_.widest_extent);
+}
+
+std::pair<ScanFrontEnd::Judged, MotionSource> ScanFrontEnd::best_pose(const SlamScan& scan, const Pose2& prediction) {
+  const bool odometry = uses_odometry(scan);
+  std::pair<Judged, MotionSource> best{judge(scan.points, prediction, prediction), MotionSource::narrow};
+  const auto take_better = [&](const Judged& other, MotionSource source) {
+    if (other.score > best.first.score) { best = {other, source}; }
+  };
+  take_better(search(scan.points, prediction, odometry ? params_.odometry_extent : params_.narrow_extent,
+                     odometry ? params_.odometry_turn : params_.narrow_turn),
+              MotionSource::narrow);
+  if (best.first.score >= params_.convincing_score) { return best; }
+  const double turn = odometry ? 4 * params_.odometry_turn : std::numbers::pi;
+  take_better(search(scan.points, prediction, params_.wide_extent, turn), MotionSource::wide);
+  if (best.first.score >= params_.suspect_score) { return best; }
+  take_better(match_keypoints(scan, prediction), MotionSource::wide);
+  const double extent = wide_extent();
+  if (best.first.score >= params_.suspect_score || odometry || extent <= params_.wide_extent) { return best; }
+  take_better(search(scan.points, prediction, extent, turn), MotionSource::wide);
+  return best;
+}
+
+void ScanFrontEnd::add_to_map(const SlamScan& scan, const Pose2& local_from_robot) {
+  const SurfacePoints& points = scan.points;
   constexpr double closest = 0.1;  // m of way; a robot that stands still says nothing new
   constexpr double longest = 20;   // m
   if (points.size() < fewest_points) { return; }
   if (!map_scans_.empty() && travel_ - map_scans_.back().travel < closest) { return; }
   map_.add(points, local_from_robot);
-  map_scans_.push_back({points, local_from_robot, travel_});
+  map_scans_.push_back({scan, local_from_robot, travel_});
   const auto obsolete = [&] {
     if (params_.window > 0) { return map_scans_.size() > params_.window; }
     const double after = travel_ - map_scans_[1].travel;
     return (map_scans_.size() > params_.map_scans && after >= params_.map_travel) || after > longest;
   };
   while (map_scans_.size() > 1 && obsolete()) {
-    map_.remove(map_scans_.front().points, map_scans_.front().local_from_robot);
+    map_.remove(map_scans_.front().scan.points, map_scans_.front().local_from_robot);
     map_scans_.pop_front();
   }
 }
 
 /// Begins a new local map with the scan: the old one no longer helps.
 void ScanFrontEnd::restart(const SlamScan& scan, const Pose2& local_from_robot) {
-  for (const MapScan& old : map_scans_) { map_.remove(old.points, old.local_from_robot); }
+  for (const MapScan& old : map_scans_) { map_.remove(old.scan.points, old.local_from_robot); }
   map_scans_.clear();
   blind_ = 0;
-  add_to_map(scan.points, local_from_robot);
+  add_to_map(scan, local_from_robot);
 }
 
 void ScanFrontEnd::remember(const SlamScan& scan, const Pose2& local_from_robot) {
   constexpr std::size_t remembered = 4;
+  constexpr std::size_t remembered_steps = 20;
   if (!recent_.empty()) {
     last_motion_ = inverse(recent_.back()) * local_from_robot;
     travel_ += way(last_motion_);
+    steps_.push_back(norm(last_motion_.translation()));
+    if (steps_.size() > remembered_steps) { steps_.pop_front(); }
   }
   recent_.push_back(local_from_robot);
   if (recent_.size() > remembered) { recent_.erase(recent_.begin()); }
   last_odometry_ = scan.odom_from_robot;
-  add_to_map(scan.points, local_from_robot);
+  add_to_map(scan, local_from_robot);
 }
 
-void ScanFrontEnd::add_relative(Motion& motion, const Judged& found) const {
+void ScanFrontEnd::add_relative(ScanMotion& motion, const Judged& found) const {
   const Eigen::Vector3d floor(params_.floor_translation, params_.floor_translation, params_.floor_rotation);
   const Eigen::Matrix3d least = floor.cwiseProduct(floor).cwiseInverse().asDiagonal();
   const Eigen::Matrix3d information = edge_information(found.terms.information, params_.range_sigma, least);
@@ -188,8 +210,8 @@ void ScanFrontEnd::keep_prediction(Judged& found, const Pose2& prediction, Point
   found.terms.information = rest * found.terms.information * rest;
 }
 
-Motion ScanFrontEnd::add(const SlamScan& scan) {
-  Motion motion;
+ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
+  ScanMotion motion;
   if (recent_.empty()) {
     remember(scan, {});
     return motion;
@@ -198,20 +220,7 @@ Motion ScanFrontEnd::add(const SlamScan& scan) {
   Judged found{prediction, {}, -1e9};
   motion.source = MotionSource::prediction;
   if (scan.points.size() >= fewest_points && map_.scans() > 0) {
-    const bool odometry = uses_odometry(scan);
-    Judged best = judge(scan.points, prediction, prediction);
-    const Judged narrow = search(scan.points, prediction, odometry ? params_.odometry_extent : params_.narrow_extent,
-                                 odometry ? params_.odometry_turn : params_.narrow_turn);
-    if (narrow.score > best.score) { best = narrow; }
-    MotionSource source = MotionSource::narrow;
-    if (best.score < params_.convincing_score) {
-      const Judged wide =
-          search(scan.points, prediction, params_.wide_extent, odometry ? 4 * params_.odometry_turn : std::numbers::pi);
-      if (wide.score > best.score) {
-        best = wide;
-        source = MotionSource::wide;
-      }
-    }
+    const auto [best, source] = best_pose(scan, prediction);
     motion.score = best.score;
     const double known_points = best.terms.weight;
     if (best.quality >= params_.usable_score && known_points >= static_cast<double>(fewest_points)) {

@@ -1,6 +1,7 @@
 // flirt/slam/scan_front_end.hpp: each scan against the accumulated map of the last metres.
 #pragma once
 
+#include "flirt/match/pair_matcher.hpp"
 #include "flirt/registration/local_map.hpp"
 #include "flirt/registration/surface_alignment.hpp"
 #include "flirt/slam/front_end.hpp"
@@ -9,17 +10,20 @@
 
 #include <deque>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace flirt {
 
 /// Correlative search around the predicted pose in a local map of the last scans, each candidate drawn onto its walls
-/// and judged by all its beams; wide search when that does not convince (Olson 2009; Konolige and others 2010).
+/// and judged by all its beams; wide search when that does not convince (Olson 2009; Konolige and others 2010). Scans
+/// with keypoints are then also matched with the last scans by these, however far the robot moved.
 class ScanFrontEnd {
  public:
-  explicit ScanFrontEnd(const SlamParams& params) : params_(params) {}
+  explicit ScanFrontEnd(const SlamParams& params)
+      : params_(params), matcher_(MatchParams{}, RansacParams{.min_inliers = 4}) {}
 
-  [[nodiscard]] Motion add(const SlamScan& scan);
+  [[nodiscard]] ScanMotion add(const SlamScan& scan);
 
  private:
   struct Judged {
@@ -29,7 +33,7 @@ class ScanFrontEnd {
     double quality{-1e9};  ///< score that it would have if all points were where something had been seen
   };
   struct MapScan {
-    SurfacePoints points;
+    SlamScan scan;
     Pose2 local_from_robot;
     double travel;
   };
@@ -38,17 +42,22 @@ class ScanFrontEnd {
   [[nodiscard]] bool uses_odometry(const SlamScan& scan) const;
   [[nodiscard]] Judged judge(const SurfacePoints& points, const Pose2& start, const Pose2& prediction) const;
   [[nodiscard]] Judged search(const SurfacePoints& points, const Pose2& prediction, double extent, double turn) const;
+  [[nodiscard]] Judged match_keypoints(const SlamScan& scan, const Pose2& prediction);
+  [[nodiscard]] double wide_extent() const;
+  [[nodiscard]] std::pair<Judged, MotionSource> best_pose(const SlamScan& scan, const Pose2& prediction);
   void remember(const SlamScan& scan, const Pose2& local_from_robot);
   void restart(const SlamScan& scan, const Pose2& local_from_robot);
-  void add_to_map(const SurfacePoints& points, const Pose2& local_from_robot);
+  void add_to_map(const SlamScan& scan, const Pose2& local_from_robot);
   [[nodiscard]] bool stands_out(const SurfacePoints& points, const Pose2& local_from_robot,
                                 Point2 direction_in_robot) const;
   static void keep_prediction(Judged& found, const Pose2& prediction, Point2 direction_in_robot);
-  void add_relative(Motion& motion, const Judged& found) const;
+  void add_relative(ScanMotion& motion, const Judged& found) const;
 
   SlamParams params_;
   LocalMap map_{};
   std::deque<MapScan> map_scans_{};
+  PairMatcher matcher_;
+  std::deque<double> steps_{};   ///< m, of the last motions found
   std::vector<Pose2> recent_{};  ///< local_from_robot of the last four scans
   std::optional<Pose2> last_odometry_{};
   Pose2 last_motion_{};

@@ -1,11 +1,11 @@
 #include "flirt/slam/slam.hpp"
 
+#include "flirt/features/extract.hpp"
 #include "flirt/graph/optimize.hpp"
 #include "flirt/registration/surface_points.hpp"
-#include "flirt/slam/loop_closer.hpp"
+#include "flirt/slam/front_ends.hpp"
 #include "flirt/slam/polish.hpp"
 #include "flirt/slam/repair.hpp"
-#include "flirt/slam/scan_front_end.hpp"
 #include "flirt/slam/slam_scan.hpp"
 
 #include <algorithm>
@@ -17,35 +17,29 @@
 namespace flirt {
 namespace {
 
-using FrontEnd = std::variant<ScanFrontEnd>;
-
-FrontEnd make_front_end(const SlamParams& params) {
-  switch (params.front_end) {
-    case FrontEndKind::scan:
-      break;
-  }
-  return ScanFrontEnd(params);
-}
-
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-SlamScan prepared(const Scan& scan, const SlamParams& params) {
-  SlamScan kept{surface_points(scan, params.points), scan.odom_from_robot};
-  if (kept.odom_from_robot && !is_finite(*kept.odom_from_robot)) { kept.odom_from_robot.reset(); }
-  return kept;
-}
-
 }  // namespace
 
 struct Slam::State {
   explicit State(const SlamParams& slam_params)
-      : params(slam_params), front_end(make_front_end(slam_params)), loops(slam_params) {}
+      : params(slam_params), front_end(make_front_end(slam_params)), loops(make_loop_finder(slam_params)) {}
 
-  void add_node(const Motion& motion) {
+  [[nodiscard]] SlamScan prepared(const Scan& scan) {
+    SlamScan kept{.points = surface_points(scan, params.points), .odom_from_robot = scan.odom_from_robot, .scan = scan};
+    if (kept.odom_from_robot && !is_finite(*kept.odom_from_robot)) { kept.odom_from_robot.reset(); }
+    if (uses_keypoints(params.front_end)) {
+      kept.features = extractor.extract(scan);
+      kept.keypoints = table_of(kept.features.keypoints);
+    }
+    return kept;
+  }
+
+  void add_node(const ScanMotion& motion) {
     const auto node = static_cast<std::uint32_t>(graph.map_from_node.size());
     if (motion.relative.empty()) {
       graph.map_from_node.push_back({params.start_x, params.start_y, wrap_angle(params.start_theta)});
@@ -61,18 +55,26 @@ struct Slam::State {
   /// Looks for earlier visits; the number found.
   std::uint32_t close_loops() {
     auto begin = Clock::now();
-    const std::vector<Closure> closures = loops.add(scans, graph.map_from_node);
+    const std::vector<Closure> closures = std::visit([&](auto& finder) { return finder.add(scans, graph); }, loops);
     summary.seconds.loops += seconds_since(begin);
+    std::uint32_t found = 0;
     for (const Closure& closure : closures) {
       graph.edges.insert(graph.edges.end(), closure.edges.begin(), closure.edges.end());
       pending_translation = std::max(pending_translation, closure.translation);
       pending_rotation = std::max(pending_rotation, closure.rotation);
+      summary.anywhere += closure.source == ClosureSource::anywhere ? 1 : 0;
+      found += closure.edges.front().kind == EdgeKind::loop ? 1 : 0;
     }
     // Small corrections wait for each other.
     pending += closures.size();
-    if (pending == 0) { return 0; }
-    if (pending_translation > 0.15 || pending_rotation > 0.02 || pending >= 8) { optimize_poses(4); }
-    return static_cast<std::uint32_t>(closures.size());
+    if (pending > 0 && is_due()) { optimize_poses(4); }
+    return found;
+  }
+
+  [[nodiscard]] bool is_due() {
+    if (pending_translation > 0.15 || pending_rotation > 0.02) { return true; }
+    if (params.front_end != FrontEndKind::flirt) { return pending >= 8; }
+    return ++steps_waited >= params.flirt.optimize_every;
   }
 
   /// Scans that may be in a wrong place: they fit their partners badly, or their motion was not sure when it was found,
@@ -89,10 +91,16 @@ struct Slam::State {
     return nodes;
   }
 
-  void optimize_poses(std::size_t iterations) {
+  void optimize_poses(std::uint32_t iterations) {
     const auto begin = Clock::now();
-    static_cast<void>(flirt::optimize(graph, {.iterations = static_cast<std::uint32_t>(iterations)}));
+    // Least squares alone may end elsewhere when a large part of the map has to swing round.
+    if (pending_translation > 1 || pending_rotation > 0.3) {
+      static_cast<void>(flirt::optimize(graph, {.backend = Backend::toro, .iterations = 30}));
+      iterations = std::max(iterations, 20U);
+    }
+    static_cast<void>(flirt::optimize(graph, {.backend = params.backend, .iterations = iterations}));
     pending = 0;
+    steps_waited = 0;
     pending_translation = 0;
     pending_rotation = 0;
     ++summary.optimizations;
@@ -101,7 +109,9 @@ struct Slam::State {
 
   SlamParams params;
   FrontEnd front_end;
-  LoopCloser loops;
+  LoopFinder loops;
+  FeatureExtractor extractor{};
+  std::uint32_t steps_waited{0};  ///< since the last optimization, with closures pending
   std::size_t pending{0};         ///< closures that the poses do not know of yet
   double pending_translation{0};  ///< m, the largest correction of them
   double pending_rotation{0};     ///< rad
@@ -119,22 +129,26 @@ Slam& Slam::operator=(Slam&&) noexcept = default;
 SlamStep Slam::add(const Scan& scan) {
   State& s = *state_;
   auto begin = Clock::now();
-  s.scans.push_back(prepared(scan, s.params));
+  s.scans.push_back(s.prepared(scan));
   s.summary.seconds.points += seconds_since(begin);
   begin = Clock::now();
-  const Motion motion = std::visit([&](auto& front_end) { return front_end.add(s.scans.back()); }, s.front_end);
+  const ScanMotion motion = std::visit([&](auto& front_end) { return front_end.add(s.scans.back()); }, s.front_end);
   s.summary.seconds.front_end += seconds_since(begin);
   s.add_node(motion);
-  s.steps.push_back({{}, motion.source, motion.score, motion.unobservable, 0});
-  if (s.params.window == 0) { s.steps.back().closures = s.close_loops(); }
+  s.steps.push_back({{}, motion.source, motion.score, motion.unobservable, motion.structure, 0});
+  // The papers' incremental mapping takes constraints from the window.
+  if (s.params.window == 0 || s.params.front_end == FrontEndKind::flirt) { s.steps.back().closures = s.close_loops(); }
   s.steps.back().map_from_robot = s.graph.map_from_node.back();
   return s.steps.back();
 }
 
 void Slam::finish() {
   State& s = *state_;
-  if (s.params.window > 0) { return; }
-  s.optimize_poses(10);
+  const bool polished_at_end = s.params.window == 0 && is_polished(s.params.front_end);
+  if (s.params.window == 0 || s.params.front_end == FrontEndKind::flirt) {
+    s.optimize_poses(polished_at_end ? 10 : 100);
+  }
+  if (!polished_at_end) { return; }
   const auto begin = Clock::now();
   PolishSummary polished = polish(s.graph, s.scans, s.params);
   s.summary.repaired = s.params.polish_rounds == 0 ? 0 : repair(s.graph, s.scans, s.suspects(polished.fit), s.params);
@@ -156,6 +170,8 @@ SlamSummary Slam::summary() const {
   for (const SlamStep& step : state_->steps) {
     summary.closures += step.closures;
     summary.unobservable += step.unobservable ? 1 : 0;
+    summary.featureless += step.structure == Structure::featureless ? 1 : 0;
+    summary.cluttered += step.structure == Structure::cluttered ? 1 : 0;
     summary.wide += step.source == MotionSource::wide ? 1 : 0;
     summary.predictions += step.source == MotionSource::prediction ? 1 : 0;
   }

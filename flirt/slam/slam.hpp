@@ -23,9 +23,10 @@ namespace flirt {
 struct SlamStep {
   Pose2 map_from_robot{};  ///< as known now; later closures may move it
   MotionSource source{MotionSource::first};
-  double score{0};            ///< of the scan in the map of the last metres
-  bool unobservable{false};   ///< the motion could not be seen in some direction
-  std::uint32_t closures{0};  ///< earlier visits found
+  double score{0};                          ///< of the scan in the map of the last metres
+  bool unobservable{false};                 ///< the motion could not be seen in some direction
+  Structure structure{Structure::unknown};  ///< what the keypoints tell, where the front-end looks at them
+  std::uint32_t closures{0};                ///< earlier visits found
 };
 
 /// Where the time went, s of wall clock.
@@ -40,9 +41,12 @@ struct SlamTimes {
 struct SlamSummary {
   std::size_t scans{0};
   std::size_t closures{0};
+  std::size_t anywhere{0};      ///< of them, those found by a search of the whole map
   std::size_t unobservable{0};  ///< motions that could not be seen in some direction
   std::size_t wide{0};          ///< scans that only the wide search found
   std::size_t predictions{0};   ///< scans whose motion is the prediction
+  std::size_t featureless{0};   ///< scans with few keypoints, where the front-end looks at them
+  std::size_t cluttered{0};     ///< scans with many, of which few agreed with the scan before
   std::size_t optimizations{0};
   std::size_t repaired{0};  ///< scans that were put elsewhere at the end
   std::size_t pairs{0};     ///< of scans that were aligned with each other at the end

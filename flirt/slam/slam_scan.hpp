@@ -2,6 +2,10 @@
 #pragma once
 
 #include "flirt/core/pose2.hpp"
+#include "flirt/core/scan.hpp"
+#include "flirt/features/features.hpp"
+#include "flirt/match/columns.hpp"
+#include "flirt/match/distance.hpp"
 #include "flirt/registration/evidence_score.hpp"
 #include "flirt/registration/local_map.hpp"
 #include "flirt/registration/surface_points.hpp"
@@ -15,6 +19,11 @@ namespace flirt {
 struct SlamScan {
   SurfacePoints points{};
   std::optional<Pose2> odom_from_robot{};  ///< finite where it is there
+  Scan scan{};                             ///< as it came
+  Features features{};                     ///< where the front-end uses keypoints; else empty
+  KeypointTable keypoints{};               ///< of the features, as matching wants them
+
+  [[nodiscard]] FeatureColumns columns() const { return {keypoints.columns(), rows_of(features.descriptors)}; }
 };
 
 /// How a scan agrees with a map, in one number: weighted as in localization.

@@ -1,0 +1,99 @@
+#include "flirt/slam/constraint_match.hpp"
+
+#include "flirt/graph/edge_error.hpp"
+#include "flirt/match/verify.hpp"
+#include "flirt/registration/surface_alignment.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+
+namespace flirt {
+namespace {
+
+RansacParams ransac_params(const FlirtParams& params) {
+  RansacParams ransac;
+  ransac.min_inliers = params.min_inliers + 1;
+  ransac.keypoint_deviation = params.keypoint_deviation;
+  return ransac;
+}
+
+/// The covariance of a motion between sensors, whose errors stand in the reference's frame, as information of an edge
+/// between the robots, whose errors stand in the later robot's frame.
+Eigen::Matrix3d robot_information(const Eigen::Matrix3d& covariance, const Pose2& reference_from_query,
+                                  const Pose2& robot_from_sensor) {
+  const Eigen::Matrix3d turn = adjoint(Pose2{0, 0, -reference_from_query.theta});
+  const Eigen::Matrix3d to_robot = adjoint(robot_from_sensor) * turn;
+  const Eigen::Matrix3d in_robot = to_robot * covariance * to_robot.transpose();
+  return in_robot.inverse();
+}
+
+double mean_distance(std::span<const IndexPair> inliers, const KeypointColumns& query, const KeypointColumns& reference,
+                     const Pose2& reference_from_query) {
+  double sum = 0;
+  for (const IndexPair& pair : inliers) {
+    const Point2 at = reference_from_query * Point2{query.x[pair.query], query.y[pair.query]};
+    sum += norm(at - Point2{reference.x[pair.reference], reference.y[pair.reference]});
+  }
+  return sum / static_cast<double>(std::max<std::size_t>(1, inliers.size()));
+}
+
+ConstraintMatch refined(const SlamScan& earlier, const SlamScan& query, ConstraintMatch found) {
+  constexpr double range_sigma = 0.03;  // m
+  const AlignedPose aligned = align_to_scan(earlier.points, query.points, found.earlier_from_robot,
+                                            {found.earlier_from_robot, Eigen::Vector3d(2, 2, 2).asDiagonal()});
+  found.earlier_from_robot = aligned.map_from_robot;
+  found.information = edge_information(aligned.terms.information, range_sigma, Eigen::Matrix3d::Identity());
+  return found;
+}
+
+/// Mean distance of the query's points from the lines of the reference, m; those that lie where the reference saw free
+/// space count with the largest distance compared. Nothing when too few points can be compared.
+std::optional<double> reprojection_error(const Verification& verified) {
+  constexpr double largest = VerifyParams{}.line_distance;
+  constexpr double least_overlap = 0.3;
+  const double compared = verified.line_points + verified.free_points;
+  if (verified.line_points == 0 || compared < least_overlap * verified.query_points) { return std::nullopt; }
+  return (verified.line_points * verified.mean_line_residual + verified.free_points * largest) / compared;
+}
+
+}  // namespace
+
+ConstraintMatcher::ConstraintMatcher(const FlirtParams& params)
+    : params_(params), matcher_(MatchParams{}, ransac_params(params)) {}
+
+void ConstraintMatcher::set_query(const SlamScan& query) {
+  query_ = &query;
+  matcher_.set_query(query.columns());
+}
+
+std::optional<ConstraintMatch> ConstraintMatcher::match(const SlamScan& earlier) {
+  const FeatureColumns reference = earlier.columns();
+  const FeatureColumns query = query_->columns();
+  if (reference.keypoints.size() <= params_.min_inliers || query.keypoints.size() <= params_.min_inliers) {
+    return std::nullopt;
+  }
+  const std::optional<PairAlignment> found = matcher_.align(reference);
+  if (!found || found->inliers <= params_.min_inliers) { return std::nullopt; }
+  const double error =
+      mean_distance(matcher_.inliers(), query.keypoints, reference.keypoints, found->reference_from_query);
+  if (error >= params_.max_inlier_error) { return std::nullopt; }
+  const Pose2& robot_from_sensor = query_->scan.robot_from_sensor;
+  return ConstraintMatch{earlier.scan.robot_from_sensor * found->reference_from_query * inverse(robot_from_sensor),
+                         robot_information(matcher_.covariance(), found->reference_from_query, robot_from_sensor),
+                         found->inliers, error};
+}
+
+std::optional<ConstraintMatch> ConstraintMatcher::verified(const SlamScan& earlier, ConstraintMatch found) const {
+  if (params_.refinement == FlirtRefinement::icp) { found = refined(earlier, *query_, found); }
+  const Pose2 reference_from_query =
+      inverse(earlier.scan.robot_from_sensor) * found.earlier_from_robot * query_->scan.robot_from_sensor;
+  const auto there = reprojection_error(verify(query_->scan, earlier.scan, reference_from_query));
+  const auto back = reprojection_error(verify(earlier.scan, query_->scan, inverse(reference_from_query)));
+  if (!there || !back) { return std::nullopt; }
+  found.scan_error = std::max(*there, *back);
+  if (found.scan_error >= params_.max_scan_error) { return std::nullopt; }
+  return found;
+}
+
+}  // namespace flirt

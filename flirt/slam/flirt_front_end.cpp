@@ -1,0 +1,33 @@
+#include "flirt/slam/flirt_front_end.hpp"
+
+namespace flirt {
+
+ScanMotion FlirtFrontEnd::add(const SlamScan& scan) {
+  ScanMotion motion;
+  const bool featureless = scan.features.keypoints.size() < params_.flirt.featureless_below;
+  if (!last_) {
+    motion.structure = featureless ? Structure::featureless : Structure::structured;
+    reckoning_.remember(scan, {});
+    last_ = scan;
+    return motion;
+  }
+  matcher_.set_query(scan);
+  std::optional<ConstraintMatch> found = matcher_.match(*last_);
+  if (found) { found = matcher_.verified(*last_, *found); }
+  RelativeMotion relative{1, reckoning_.motion(scan), reckoning_.information(scan)};
+  if (found) {
+    relative.earlier_from_robot = found->earlier_from_robot;
+    relative.information = found->information;
+  }
+  motion.source = found ? MotionSource::narrow : MotionSource::prediction;
+  motion.score = found ? found->inliers : 0;
+  motion.unobservable = !found;
+  motion.structure = found ? Structure::structured : Structure::cluttered;
+  if (featureless) { motion.structure = Structure::featureless; }
+  motion.relative.push_back(relative);
+  reckoning_.remember(scan, relative.earlier_from_robot);
+  last_ = scan;
+  return motion;
+}
+
+}  // namespace flirt

@@ -1,0 +1,42 @@
+#include "flirt/slam/global_places.hpp"
+
+#include "flirt/map/verdict.hpp"
+#include "flirt/registration/search.hpp"
+
+namespace flirt {
+
+void GlobalPlaces::update(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, std::size_t earlier) {
+  constexpr double moved = 0.05;   // m
+  constexpr double turned = 0.01;  // rad
+  for (std::size_t node = 0; node < earlier; ++node) {
+    const Scan& scan = scans[node].scan;
+    const bool is_new = node == map_from_placed_.size();
+    if (!is_new) {
+      Pose2& placed = map_from_placed_[node];
+      if (distance(placed, map_from_node[node]) < moved && heading_difference(placed, map_from_node[node]) < turned) {
+        continue;
+      }
+      grid_.remove(scan, placed * scan.robot_from_sensor);
+      placed = map_from_node[node];
+    } else {
+      map_from_placed_.push_back(map_from_node[node]);
+    }
+    grid_.add(scan, map_from_node[node] * scan.robot_from_sensor);
+    fields_.reset();
+  }
+}
+
+std::optional<Pose2> GlobalPlaces::find(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node,
+                                        std::size_t earlier) {
+  update(scans, map_from_node, earlier);
+  if (!fields_) { fields_ = map_fields(grid_); }
+  if (fields_->empty()) { return std::nullopt; }
+  const Scan& scan = scans.back().scan;
+  const ScanPoints points = scan_points(scan);
+  if (points.size() == 0) { return std::nullopt; }
+  const std::vector<ScoredPose> poses = search(*fields_, points);
+  if (judge_answer(poses, points.size()).verdict != Verdict::unique) { return std::nullopt; }
+  return poses.front().map_from_sensor * inverse(scan.robot_from_sensor);
+}
+
+}  // namespace flirt
