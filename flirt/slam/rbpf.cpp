@@ -24,6 +24,10 @@ struct Rbpf::Points {
         compared.push_back(ends.back());
       }
     }
+    const std::size_t most = params.most_points;
+    if (compared.size() <= most) { return; }
+    for (std::size_t i = 0; i < most; ++i) { compared[i] = compared[i * compared.size() / most]; }
+    compared.resize(most);
   }
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <limits>
 #include <utility>
 
@@ -35,17 +36,23 @@ void count_hit(RbpfMap::Tile& tile, FixedPoint2 end) {
   if (cell.evidence.hits == std::numeric_limits<std::uint16_t>::max()) { return; }
   ++cell.evidence.hits;
   constexpr std::int64_t in_cell = FixedPoint2::cell - 1;
-  cell.x += static_cast<std::uint32_t>((end.x & in_cell) >> 3);
-  cell.y += static_cast<std::uint32_t>((end.y & in_cell) >> 3);
+  constexpr float unit = 1.0F / static_cast<float>(FixedPoint2::cell);
+  const float share = 1.0F / static_cast<float>(cell.evidence.hits);
+  cell.x += share * (unit * static_cast<float>(end.x & in_cell) - cell.x);
+  cell.y += share * (unit * static_cast<float>(end.y & in_cell) - cell.y);
   mark(tile, x, y, cell.evidence.occupied());
 }
 
-/// Squared distance in cells² from a place to the mean end point of cell (x, y).
-double squared_cells(const RbpfCell& cell, std::int32_t x, std::int32_t y, Point2 in_cells) {
-  const double unit = 1.0 / (1024.0 * cell.evidence.hits);
-  const double dx = x + unit * cell.x - in_cells.x;
-  const double dy = y + unit * cell.y - in_cells.y;
+/// Squared distance in cells² from a place to the mean end point of a cell, both from the lower corner of the same one.
+float squared_cells(const RbpfCell& cell, float off_x, float off_y, float in_cell_x, float in_cell_y) {
+  const float dx = cell.x + off_x - in_cell_x;
+  const float dy = cell.y + off_y - in_cell_y;
   return dx * dx + dy * dy;
+}
+
+std::int32_t floor_of(double value) {
+  const auto towards_zero = static_cast<std::int32_t>(value);
+  return towards_zero - (value < towards_zero ? 1 : 0);
 }
 
 }  // namespace
@@ -70,30 +77,40 @@ RbpfCell RbpfMap::cell(CellIndex index) const {
 }
 
 double RbpfMap::squared_distance(Point2 in_map) const {
-  const Point2 in_cells = (1 / cell_size_) * in_map;
-  const auto x = static_cast<std::int32_t>(std::floor(in_cells.x));
-  const auto y = static_cast<std::int32_t>(std::floor(in_cells.y));
+  constexpr float none = 1e9F;
+  const double scale = 1 / cell_size_;
+  const Point2 in_cells{scale * in_map.x, scale * in_map.y};
+  const std::int32_t x = floor_of(in_cells.x);
+  const std::int32_t y = floor_of(in_cells.y);
   const Tile* tile = find(x >> tile_shift, y >> tile_shift);
   if (tile == nullptr) { return unseen; }
-  double least = std::numeric_limits<double>::infinity();
+  const auto in_cell_x = static_cast<float>(in_cells.x - x);
+  const auto in_cell_y = static_cast<float>(in_cells.y - y);
+  float least = none;
   const std::int32_t column = x & tile_mask;
   const std::int32_t row = y & tile_mask;
-  const bool inside = column > 0 && column < tile_mask && row > 0 && row < tile_mask;
-  for (std::int32_t dy = -1; dy <= 1; ++dy) {
-    if (inside) {
-      std::uint32_t bits = tile->occupied[static_cast<std::size_t>(row + dy)] >> (column - 1) & 7U;
-      for (std::int32_t dx = -1; bits != 0; ++dx, bits >>= 1U) {
-        if ((bits & 1U) == 0) { continue; }
-        least = std::min(least, squared_cells(tile->cells[index_in_tile(x + dx, y + dy)], x + dx, y + dy, in_cells));
-      }
-      continue;
+  const auto compare = [&](const RbpfCell& cell, std::int32_t dx, std::int32_t dy) {
+    least = std::min(least, squared_cells(cell, static_cast<float>(dx), static_cast<float>(dy), in_cell_x, in_cell_y));
+  };
+  if (column > 0 && column < tile_mask && row > 0 && row < tile_mask) {
+    const auto bits = [&](std::int32_t dy) {
+      return tile->occupied[static_cast<std::size_t>(row + dy)] >> (column - 1) & 7U;
+    };
+    // Nine cells, a bit each, three a row: only the occupied ones are looked at.
+    for (std::uint32_t nine = bits(-1) | bits(0) << 3U | bits(1) << 6U; nine != 0; nine &= nine - 1) {
+      const std::int32_t i = std::countr_zero(nine);
+      const std::int32_t dy = i / 3 - 1;
+      const std::int32_t dx = i % 3 - 1;
+      compare(tile->cells[index_in_tile(column + dx, row + dy)], dx, dy);
     }
-    for (std::int32_t dx = -1; dx <= 1; ++dx) {
-      if (!is_occupied(x + dx, y + dy)) { continue; }
-      least = std::min(least, squared_cells(cell({x + dx, y + dy}), x + dx, y + dy, in_cells));
+  } else {
+    for (std::int32_t dy = -1; dy <= 1; ++dy) {
+      for (std::int32_t dx = -1; dx <= 1; ++dx) {
+        if (is_occupied(x + dx, y + dy)) { compare(cell({x + dx, y + dy}), dx, dy); }
+      }
     }
   }
-  if (least < std::numeric_limits<double>::infinity()) { return cell_size_ * cell_size_ * least; }
+  if (least < none) { return cell_size_ * cell_size_ * static_cast<double>(least); }
   return tile->cells[index_in_tile(x, y)].evidence.seen() ? nothing_near : unseen;
 }
 

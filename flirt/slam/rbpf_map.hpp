@@ -17,7 +17,7 @@ namespace flirt {
 /// Evidence of a cell, and where in it beams ended.
 struct RbpfCell {
   EvidenceCell evidence{};
-  std::uint32_t x{0}, y{0};  ///< sums of the end points' places from the lower corner, 1/1024 cell
+  float x{0}, y{0};  ///< mean place of those ends, cells from the lower corner
 };
 
 /// Hits and passes of a particle's scans in tiles of 32 × 32 cells, 12 kB each. A copy costs a pointer a tile; the

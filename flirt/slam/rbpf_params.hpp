@@ -20,17 +20,18 @@ struct RbpfParams {
   double update_travel{0.1};               ///< m; scans after less way, and
   double update_turn{0.1};                 ///< rad, after a smaller turn, are placed by odometry alone
 
-  double cell_size{0.05};      ///< m, of each particle's grid
-  double range_max{40};        ///< m, longer readings are not used
-  double point_spacing{0.08};  ///< m, least distance between end points that are compared with the map
-  double sigma{0.07};          ///< m, deviation of an end point from what it hit
-  double free_miss{0.18};      ///< m; an end point with nothing near it in seen space counts as this far off
-  double unknown_miss{0.14};   ///< m, the same where nothing was seen
-  double points_worth{40};     ///< independent readings that a scan is worth: neighbours err together
+  double cell_size{0.05};          ///< m, of each particle's grid
+  double range_max{40};            ///< m, longer readings are not used
+  double point_spacing{0.08};      ///< m, least distance between end points that are compared with the map
+  std::uint32_t most_points{150};  ///< compared with the map, evenly picked
+  double sigma{0.07};              ///< m, deviation of an end point from what it hit
+  double free_miss{0.18};          ///< m; an end point with nothing near it in seen space counts as this far off
+  double unknown_miss{0.14};       ///< m, the same where nothing was seen
+  double points_worth{20};         ///< independent readings that a scan is worth: neighbours err together
 
   double step_translation{0.08};   ///< m, first step of the climb to the best pose
   double step_rotation{0.04};      ///< rad
-  std::uint32_t step_halvings{6};  ///< after which the climb ends
+  std::uint32_t step_halvings{4};  ///< after which the climb ends
   double lost_share{0.3};          ///< share of points near something below which matching has failed
 
   std::uint32_t samples{40};        ///< drawn around the best pose for the proposal
@@ -63,6 +64,7 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.cell_size, Field{"cell_size", "m", "side of a cell", 0.02, 1});
   visit(params.range_max, Field{"range_max", "m", "longer readings are not used", 1, 100});
   visit(params.point_spacing, Field{"point_spacing", "m", "least distance between compared end points", 0, 1});
+  visit(params.most_points, Field{"most_points", "", "end points compared with the map", 1, 100000});
   visit(params.sigma, Field{"sigma", "m", "deviation of an end point", 0.005, 1});
   visit(params.free_miss, Field{"free_miss", "m", "what an end point in free space counts as", 0.01, 2});
   visit(params.unknown_miss, Field{"unknown_miss", "m", "what an end point in unseen space counts as", 0.01, 2});
