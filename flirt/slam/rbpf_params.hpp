@@ -32,6 +32,7 @@ struct RbpfParams {
   double step_translation{0.08};   ///< m, first step of the climb to the best pose
   double step_rotation{0.04};      ///< rad
   std::uint32_t step_halvings{4};  ///< after which the climb ends
+  double doubt_share{0.7};         ///< share of points near something below which the climb is tried from turned poses
   double lost_share{0.3};          ///< share of points near something below which matching has failed
 
   std::uint32_t samples{40};        ///< drawn around the best pose for the proposal
@@ -72,6 +73,7 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.step_translation, Field{"step_translation", "m", "first step of the climb", 0.001, 1});
   visit(params.step_rotation, Field{"step_rotation", "rad", "first step of the climb", 0.001, 1});
   visit(params.step_halvings, Field{"step_halvings", "", "of the steps until the climb ends", 1, 20});
+  visit(params.doubt_share, Field{"doubt_share", "1", "fewer points near something: climbs from turned poses", 0, 1});
   visit(params.lost_share, Field{"lost_share", "1", "fewer points near something: matching failed", 0, 1});
   visit(params.samples, Field{"samples", "", "drawn around the best pose", 8, 10000});
   visit(params.sample_translation, Field{"sample_translation", "m", "half width of the samples", 0.001, 1});

@@ -118,9 +118,9 @@ ScanAgreement agreement(const RbpfMap& map, std::span<const Point2> points_in_ro
   return {-worth * squares / n / (2 * params.sigma * params.sigma), static_cast<double>(near) / n};
 }
 
-Pose2 climb(const RbpfMap& map, std::span<const Point2> points_in_robot, const MotionBelief& belief,
+Pose2 climb(const RbpfMap& map, std::span<const Point2> points_in_robot, const Pose2& start, const MotionBelief& belief,
             const RbpfParams& params) {
-  Pose2 best = belief.map_from_robot;
+  Pose2 best = start;
   double value = log_posterior(map, points_in_robot, belief, best, params);
   // Where little is known of the motion the first steps are as wide as that.
   double way = std::max(params.step_translation, 0.5 * belief.way_deviation);
@@ -144,9 +144,30 @@ Pose2 climb(const RbpfMap& map, std::span<const Point2> points_in_robot, const M
   return best;
 }
 
+namespace {
+
+/// The climb's end; where that explains little of the scan, the best of climbs from poses turned within reason.
+Pose2 best_pose(const RbpfMap& map, std::span<const Point2> points, const MotionBelief& belief,
+                const RbpfParams& params) {
+  Pose2 best = climb(map, points, belief.map_from_robot, belief, params);
+  if (agreement(map, points, best, params).near >= params.doubt_share) { return best; }
+  double value = log_posterior(map, points, belief, best, params);
+  for (const double turns : {-2.0, -1.0, 1.0, 2.0}) {
+    const Pose2 start = belief.map_from_robot * Pose2{0, 0, turns * belief.turn_deviation};
+    const Pose2 pose = climb(map, points, start, belief, params);
+    const double there = log_posterior(map, points, belief, pose, params);
+    if (there <= value) { continue; }
+    value = there;
+    best = pose;
+  }
+  return best;
+}
+
+}  // namespace
+
 Proposal propose(const RbpfMap& map, std::span<const Point2> points_in_robot, const MotionBelief& belief,
                  const RbpfParams& params, Rng& rng) {
-  const Pose2 best = climb(map, points_in_robot, belief, params);
+  const Pose2 best = best_pose(map, points_in_robot, belief, params);
   const ScanAgreement found = agreement(map, points_in_robot, best, params);
   if (points_in_robot.empty() || found.near < params.lost_share) {
     const Pose2 pose = draw(belief, rng);

@@ -40,8 +40,8 @@ struct ScanAgreement {
 
 /// The pose at the top of likelihood times motion that steps to six sides lead to from `start`, each halved when none
 /// leads up.
-[[nodiscard]] Pose2 climb(const RbpfMap& map, std::span<const Point2> points_in_robot, const MotionBelief& belief,
-                          const RbpfParams& params);
+[[nodiscard]] Pose2 climb(const RbpfMap& map, std::span<const Point2> points_in_robot, const Pose2& start,
+                          const MotionBelief& belief, const RbpfParams& params);
 
 /// A pose drawn for a particle, and by what its weight grows.
 struct Proposal {
