@@ -10,6 +10,7 @@ void add_bench(CLI::App& program, Session& session) {
   add_bench_localization(*bench, session);
   add_bench_tracking(*bench, session);
   add_bench_optimizers(*bench, session);
+  add_bench_slam(*bench, session);
 }
 
 }  // namespace flirt::app

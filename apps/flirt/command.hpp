@@ -97,5 +97,6 @@ void add_bench_buildings(CLI::App& bench, Session& session);
 void add_bench_localization(CLI::App& bench, Session& session);
 void add_bench_tracking(CLI::App& bench, Session& session);
 void add_bench_optimizers(CLI::App& bench, Session& session);
+void add_bench_slam(CLI::App& bench, Session& session);
 
 }  // namespace flirt::app

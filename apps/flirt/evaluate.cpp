@@ -6,6 +6,7 @@
 #include "flirt/io/relations.hpp"
 
 #include "apps/flirt/command.hpp"
+#include "apps/flirt/error_json.hpp"
 
 #include <fmt/format.h>
 
@@ -27,23 +28,6 @@ struct Options {
   MapQualityParams quality;
   ParamFlags params;
 };
-
-nlohmann::ordered_json summary_json(const ErrorSummary& summary) {
-  return {{"rmse", summary.rmse},     {"mean", summary.mean}, {"sd", summary.deviation},
-          {"median", summary.median}, {"max", summary.max},   {"count", summary.count}};
-}
-
-nlohmann::ordered_json error_json(const TrajectoryError& error) {
-  return {{"translation_m", summary_json(error.translation)}, {"rotation_deg", summary_json(error.rotation_degrees)}};
-}
-
-nlohmann::ordered_json relations_json(const RelationsError& error, std::string_view source) {
-  return {{"source", source},
-          {"count", error.difference.translation.count},
-          {"skipped", error.skipped},
-          {"difference", error_json(error.difference)},
-          {"motion", error_json(error.motion)}};
-}
 
 void print_row(std::string_view name, const TrajectoryError& error) {
   const auto text = [](const ErrorSummary& e, std::string_view unit) {
@@ -123,8 +107,9 @@ nlohmann::ordered_json without_truth(const Options& options, const Session& sess
         log.scans.size(), quality.point_to_line_rms, quality.pairs, quality.points, quality.occupied_cells,
         options.quality.cell_size);
   }
-  return {{"log", options.scans},   {"scans", log.scans.size()}, {"point_to_line_rms_m", quality.point_to_line_rms},
-          {"pairs", quality.pairs}, {"points", quality.points},  {"occupied_cells", quality.occupied_cells}};
+  nlohmann::ordered_json json{{"log", options.scans}, {"scans", log.scans.size()}};
+  json.update(quality_json(quality));
+  return json;
 }
 
 int run(Options& options, const Session& session) {

@@ -7,6 +7,7 @@
 #include "flirt/io/svg.hpp"
 #include "flirt/io/tum.hpp"
 #include "flirt/sim/office.hpp"
+#include "flirt/sim/station.hpp"
 
 #include "apps/flirt/command.hpp"
 
@@ -50,17 +51,20 @@ struct Options {
   std::string svg;
   std::optional<std::size_t> svg_scan;
   OfficeParams office;
+  TunnelParams tunnel;
+  StationParams station;
   SimulateParams simulate;
   OutputParams output;
   ParamFlags params;
 };
 
 World world_of(const Options& options) {
-  if (options.plan == "office") {
-    if (options.resolution) { throw UsageError("--resolution: expected only with an image as --plan"); }
-    return make_office(options.office);
-  }
-  return {value_or_quit(read_floor_plan(options.plan, options.resolution)), {}};
+  const bool made_up = options.plan == "office" || options.plan == "tunnel" || options.plan == "station";
+  if (made_up && options.resolution) { throw UsageError("--resolution: expected only with an image as --plan"); }
+  if (options.plan == "office") { return make_office(options.office); }
+  if (options.plan == "tunnel") { return make_tunnel(options.tunnel); }
+  if (options.plan == "station") { return make_station(options.station); }
+  return {value_or_quit(read_floor_plan(options.plan, options.resolution)), {}, {}};
 }
 
 /// The log as it is written: the truth stands in it only when asked for.
@@ -193,7 +197,8 @@ void add_simulate(CLI::App& program, Session& session) {
   command->add_option("--truth", options->truth, "file for the true poses, TUM format (default: LOG.truth.tum)");
   command
       ->add_option("--plan", options->plan,
-                   "office (made up), or FILE.txt of segments x1,y1,x2,y2, or a grid map's FILE.yaml, or an image")
+                   "office, tunnel or station (made up), or FILE.txt of segments x1,y1,x2,y2, or a grid map's "
+                   "FILE.yaml, or an image")
       ->capture_default_str();
   command->add_option("--resolution", options->resolution, "m per pixel of an image without YAML");
   command->add_option("--people", options->people, "the same as --people-count");
@@ -201,6 +206,8 @@ void add_simulate(CLI::App& program, Session& session) {
   command->add_option("--svg", options->svg, "picture of the plan and the way");
   command->add_option("--svg-scan", options->svg_scan, "draw this scan, and the plan around it");
   options->params.add(*command, "office", options->office);
+  options->params.add(*command, "tunnel", options->tunnel);
+  options->params.add(*command, "station", options->station);
   options->params.add(*command, "lidar", options->simulate.lidar);
   options->params.add(*command, "drive", options->simulate.drive);
   options->params.add(*command, "odometry", options->simulate.odometry);

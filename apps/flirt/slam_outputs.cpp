@@ -1,14 +1,14 @@
 #include "apps/flirt/slam_outputs.hpp"
 
-#include "flirt/grid/evidence_grid.hpp"
 #include "flirt/io/file.hpp"
 #include "flirt/io/flirt_map.hpp"
 #include "flirt/io/g2o.hpp"
-#include "flirt/io/occupancy_map.hpp"
-#include "flirt/io/svg.hpp"
 #include "flirt/io/tum.hpp"
 #include "flirt/map/place_map.hpp"
 #include "flirt/report/html.hpp"
+
+#include "apps/flirt/latency.hpp"
+#include "apps/flirt/map_picture.hpp"
 
 #include <fmt/format.h>
 
@@ -16,18 +16,6 @@
 
 namespace flirt::app {
 namespace {
-
-struct Latency {
-  double median{0};
-  double p99{0};
-  double worst{0};
-};
-
-Latency latency_of(std::vector<double> ms) {
-  if (ms.empty()) { return {}; }
-  std::ranges::sort(ms);
-  return {ms[ms.size() / 2], ms[std::min(ms.size() - 1, ms.size() * 99 / 100)], ms.back()};
-}
 
 std::vector<StampedPose> trajectory(const SlamRun& run, const ScanLog& log) {
   std::vector<StampedPose> poses;
@@ -39,25 +27,16 @@ std::vector<StampedPose> trajectory(const SlamRun& run, const ScanLog& log) {
 }
 
 std::string figure(const SlamRun& run, const GridMapImage& map) {
-  svg::Plan plan;
-  plan.layers.emplace_back(svg::Raster{
-      .image = map.image, .map_from_image = map.metadata.origin, .resolution = map.metadata.resolution, .opacity = 1});
-  svg::Polylines way{.lines = {{}}, .colour = svg::blue, .width = 0.8, .legend = "way of the robot"};
-  for (const Pose2& pose : run.graph.map_from_node) { way.lines.front().push_back(pose.translation()); }
-  svg::Polylines loops{.colour = svg::vermilion, .width = 0.6, .legend = "closures"};
+  const std::vector<Pose2>& poses = run.graph.map_from_node;
+  MapOverlay overlay{.way = poses};
   for (const PoseEdge& edge : run.graph.edges) {
     if (edge.kind != EdgeKind::loop) { continue; }
-    loops.lines.push_back(
-        {run.graph.map_from_node[edge.a].translation(), run.graph.map_from_node[edge.b].translation()});
+    overlay.closures.emplace_back(poses[edge.a].translation(), poses[edge.b].translation());
   }
-  svg::Points unseen{.colour = svg::orange, .radius = 2.5, .legend = "motion not observable"};
   for (std::size_t i = 0; i < run.steps.size(); ++i) {
-    if (run.steps[i].unobservable) { unseen.at.push_back(run.graph.map_from_node[i].translation()); }
+    if (run.steps[i].unobservable) { overlay.unseen.push_back(poses[i].translation()); }
   }
-  plan.layers.emplace_back(std::move(way));
-  plan.layers.emplace_back(std::move(loops));
-  if (!unseen.at.empty()) { plan.layers.emplace_back(std::move(unseen)); }
-  return svg::to_svg({.panels = {plan}, .panel_width = 1000});
+  return map_picture(map, overlay);
 }
 
 std::vector<std::vector<std::string>> counts_table(const SlamRun& run) {
@@ -146,9 +125,7 @@ void write_slam_outputs(const std::filesystem::path& folder, const SlamRun& run,
   value_or_quit(write_tum(folder / "trajectory.tum", trajectory(run, log)));
   value_or_quit(write_g2o(folder / "graph.g2o", run.graph));
   log.map_from_robot = run.graph.map_from_node;
-  EvidenceGrid grid;
-  for (std::size_t i = 0; i < log.scans.size(); ++i) { grid.add(log.scans[i], log.map_from_sensor(i)); }
-  const GridMapImage map = occupancy_map(grid, "map.pgm");
+  const GridMapImage map = map_of(log, run.graph.map_from_node);
   value_or_quit(write_grid_map(folder / "map.yaml", map));
   value_or_quit(write_grey_image(folder / "map.png", map.image));
   const Result<PlaceMap> places = build_place_map(log, {}, session.threads, progress_bar(session, "features"));

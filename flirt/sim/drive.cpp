@@ -228,6 +228,31 @@ Drive plan_drive(const FreeSpace& space, std::span<const Point2> places, const D
   return drive;
 }
 
+Drive plan_tour(const FreeSpace& space, std::span<const Point2> tour, const DriveParams& params, std::uint64_t seed) {
+  Rng rng(seed);
+  Drive drive;
+  std::vector<Point2> stops;
+  for (const Point2 place : tour) {
+    const std::vector<Point2> spot = space.nearest(place, snapping_distance);
+    if (spot.empty()) { return drive; }
+    stops.push_back(spot[0]);
+  }
+  PathSearch search(space);
+  for (std::uint32_t round = 0; round < params.rounds; ++round) {
+    std::vector<Point2> way{stops[0]};
+    for (std::size_t i = 1; i < stops.size(); ++i) {
+      if (!append_leg(way, search.path(stops[i - 1], stops[i]))) { return {}; }
+    }
+    way = smooth_way(space, std::move(way), smoothing_length);
+    way = meandering_way(space, std::move(way), params.lateral_deviation, rng.bits());
+    way = cut(smooth_way(space, std::move(way), smoothing_length / 2), params.round_length);
+    drive.round_begin.push_back(drive.knots.empty() ? 0.0 : drive.knots.back().stamp);
+    add_knots(way, params, drive.knots);
+    std::ranges::reverse(stops);
+  }
+  return drive;
+}
+
 Pose2 pose_at(const Drive& drive, double stamp) {
   FLIRT_ASSERT(!drive.knots.empty());
   const auto after = std::upper_bound(drive.knots.begin(), drive.knots.end(), stamp,

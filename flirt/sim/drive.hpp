@@ -63,6 +63,11 @@ struct Drive {
 [[nodiscard]] Drive plan_drive(const FreeSpace& space, std::span<const Point2> places, const DriveParams& params,
                                std::uint64_t seed);
 
+/// A drive along a tour: forwards, and in every other later round backwards. Of the parameters, those about places do
+/// not apply. Empty when the robot can't reach a place of the tour.
+[[nodiscard]] Drive plan_tour(const FreeSpace& space, std::span<const Point2> tour, const DriveParams& params,
+                              std::uint64_t seed);
+
 /// Where the robot is at `stamp`; before the first and after the last knot it stands still. Drives are not empty.
 [[nodiscard]] Pose2 pose_at(const Drive& drive, double stamp);
 

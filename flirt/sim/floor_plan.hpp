@@ -50,6 +50,7 @@ struct FloorPlan {
 struct World {
   FloorPlan plan{};
   std::vector<Point2> places{};  ///< m, map frame; empty: places are spread over the free space
+  std::vector<Point2> tour{};    ///< m; what a drive visits, in this order; empty: places, as DriveParams say
 };
 
 /// An axis-parallel rectangle.

@@ -33,7 +33,8 @@ Result<Simulation> simulate(const World& world, const SimulateParams& params, co
   const FreeSpace space(world.plan, params.drive.robot_radius);
   const std::vector<Point2> places =
       world.places.empty() ? space.spread(params.drive.place_spacing, seed_of(params, places_stream)) : world.places;
-  const Drive drive = plan_drive(space, places, params.drive, seed_of(params, drive_stream));
+  const Drive drive = world.tour.empty() ? plan_drive(space, places, params.drive, seed_of(params, drive_stream))
+                                         : plan_tour(space, world.tour, params.drive, seed_of(params, drive_stream));
   if (drive.knots.empty()) {
     return fail("expected room for a robot of radius " + std::to_string(params.drive.robot_radius) +
                 " m, found a plan with none");
