@@ -1,8 +1,8 @@
 // apps/flirt/bench_localization.cpp: `flirt bench localization`, single scans found in the map of the rest of their
 // log.
-#include "flirt/eval/ablation.hpp"
 #include "flirt/eval/distractors.hpp"
 #include "flirt/eval/localization.hpp"
+#include "flirt/eval/localization_ablation.hpp"
 #include "flirt/io/file.hpp"
 #include "flirt/io/log.hpp"
 #include "flirt/map/place_map.hpp"
@@ -36,15 +36,15 @@ struct Options {
 };
 
 /// The variants that were asked for, `full` always first.
-std::vector<AblationVariant> variants_of(const Options& options) {
-  std::vector<AblationVariant> variants = ablation_variants(options.bench.localize);
+std::vector<LocalizationVariant> variants_of(const Options& options) {
+  std::vector<LocalizationVariant> variants = localization_variants(options.bench.localize);
   if (options.variants.empty()) { return variants; }
-  std::vector<AblationVariant> asked{variants.front()};
+  std::vector<LocalizationVariant> asked{variants.front()};
   for (const std::string& name : options.variants) {
-    const auto found = std::ranges::find(variants, name, &AblationVariant::name);
+    const auto found = std::ranges::find(variants, name, &LocalizationVariant::name);
     if (found == variants.end()) {
       std::string names;
-      for (const AblationVariant& variant : variants) { names += fmt::format(" {}", variant.name); }
+      for (const LocalizationVariant& variant : variants) { names += fmt::format(" {}", variant.name); }
       throw UsageError(fmt::format("--variants: expected some of{}, found '{}'", names, name));
     }
     if (found != variants.begin()) { asked.push_back(*found); }
@@ -69,8 +69,8 @@ int run(Options& options, const Session& session) {
   if (options.protocol != "revisit" && (options.ablation || !options.distractors.empty())) {
     throw UsageError("--distractors, --ablation: expected with --protocol revisit");
   }
-  const std::vector<AblationVariant> variants =
-      options.ablation ? variants_of(options) : std::vector<AblationVariant>{};
+  const std::vector<LocalizationVariant> variants =
+      options.ablation ? variants_of(options) : std::vector<LocalizationVariant>{};
   const LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
   if (loaded.log.map_from_robot.empty()) {
     throw BadInput(options.log + ": expected a log with poses (they are the truth), found none");
@@ -91,8 +91,8 @@ int run(Options& options, const Session& session) {
                                                  session.threads, progress_bar(session, "distractors"))});
   }
   if (options.ablation) {
-    done.ablation =
-        ablate(loaded.log, map, options.bench, variants, session.threads, progress_bar(session, "ablation"));
+    done.ablation = ablate_localization(loaded.log, map, options.bench, variants, session.threads,
+                                        progress_bar(session, "ablation"));
   }
   const nlohmann::ordered_json json = localization_json(done, session);
   if (!options.out.empty()) { write_files(value_or_quit(folder_for_results(options.out)), done, loaded.log, json); }

@@ -59,9 +59,9 @@ nlohmann::ordered_json distractors_json(const DistractorSummary& summary) {
           {"confidence_tenths", summary.confidences}};
 }
 
-nlohmann::ordered_json ablation_json(std::span<const AblationRow> rows) {
+nlohmann::ordered_json ablation_json(std::span<const LocalizationVariantRow> rows) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  for (const AblationRow& row : rows) {
+  for (const LocalizationVariantRow& row : rows) {
     json.push_back({{"name", row.name},
                     {"meaning", row.meaning},
                     {"queries", row.success.total},

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "flirt/core/scan.hpp"
-#include "flirt/eval/ablation.hpp"
 #include "flirt/eval/distractors.hpp"
 #include "flirt/eval/localization.hpp"
+#include "flirt/eval/localization_ablation.hpp"
 
 #include "apps/flirt/command.hpp"
 
@@ -29,7 +29,7 @@ struct LocalizationRun {
   nlohmann::ordered_json params;
   LocalizationBench bench{};
   std::vector<DistractorRun> distractors{};
-  std::vector<AblationRow> ablation{};
+  std::vector<LocalizationVariantRow> ablation{};
 };
 
 /// All distractors of a run together.

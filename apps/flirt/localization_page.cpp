@@ -93,9 +93,9 @@ std::vector<std::vector<std::string>> distractor_rows(const LocalizationRun& run
   return rows;
 }
 
-std::vector<std::vector<std::string>> ablation_rows(std::span<const AblationRow> ablation) {
+std::vector<std::vector<std::string>> ablation_rows(std::span<const LocalizationVariantRow> ablation) {
   std::vector<std::vector<std::string>> rows;
-  for (const AblationRow& row : ablation) {
+  for (const LocalizationVariantRow& row : ablation) {
     rows.push_back(
         {std::string(row.name), fmt::format("{:.3f}", row.success.value()), fmt::format("{:.3f}", row.recall_at_99),
          fmt::format("{:.3f}", row.unique_found), fmt::format("{:.1f}", row.query_median_us / 1000),

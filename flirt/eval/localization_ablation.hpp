@@ -1,4 +1,4 @@
-// flirt/eval/ablation.hpp: what each ingredient of localization brings: the same queries without it.
+// flirt/eval/localization_ablation.hpp: what each ingredient of localization brings: the same queries without it.
 #pragma once
 
 #include "flirt/eval/localization.hpp"
@@ -12,17 +12,17 @@
 namespace flirt {
 
 /// One way to localize, with something left out or exchanged.
-struct AblationVariant {
+struct LocalizationVariant {
   std::string_view name{};
   std::string_view meaning{};
   LocalizeParams params{};
 };
 
 /// `full`, which is the parameters given, first; then one variant per ingredient.
-[[nodiscard]] std::vector<AblationVariant> ablation_variants(const LocalizeParams& full);
+[[nodiscard]] std::vector<LocalizationVariant> localization_variants(const LocalizeParams& full);
 
 /// How a variant did, and whether that differs from `full` by more than chance.
-struct AblationRow {
+struct LocalizationVariantRow {
   std::string_view name{};
   std::string_view meaning{};
   Rate success{};             ///< right pose of the answerable queries
@@ -34,9 +34,10 @@ struct AblationRow {
 };
 
 /// Runs the revisit protocol once per variant; variants[0] is what the others are compared with.
-[[nodiscard]] std::vector<AblationRow> ablate(const ScanLog& log, const PlaceMap& map,
-                                              const LocalizationBenchParams& params,
-                                              std::span<const AblationVariant> variants, std::size_t threads,
-                                              const Progress& progress = {});
+[[nodiscard]] std::vector<LocalizationVariantRow> ablate_localization(const ScanLog& log, const PlaceMap& map,
+                                                                      const LocalizationBenchParams& params,
+                                                                      std::span<const LocalizationVariant> variants,
+                                                                      std::size_t threads,
+                                                                      const Progress& progress = {});
 
 }  // namespace flirt

@@ -1,4 +1,4 @@
-#include "flirt/eval/ablation.hpp"
+#include "flirt/eval/localization_ablation.hpp"
 
 #include "tests/support/room_map.hpp"
 
@@ -11,9 +11,9 @@ namespace flirt {
 namespace {
 
 TEST(Ablation, VariantsHaveNamesOfTheirOwnAndFullComesFirst) {
-  const std::vector<AblationVariant> variants = ablation_variants({});
+  const std::vector<LocalizationVariant> variants = localization_variants({});
   std::set<std::string_view> names;
-  for (const AblationVariant& variant : variants) { names.insert(variant.name); }
+  for (const LocalizationVariant& variant : variants) { names.insert(variant.name); }
   EXPECT_EQ(names.size(), variants.size());
   EXPECT_EQ(variants.front().name, "full");
 }
@@ -29,8 +29,8 @@ TEST(Ablation, ComparesEachVariantWithFullOnTheSameQueries) {
   params.revisit.travel = 0.3;
   LocalizeParams perverse;
   perverse.search.score.likelihood = -perverse.search.score.likelihood;
-  const std::vector<AblationVariant> variants{{"full", "", {}}, {"same", "", {}}, {"perverse", "", perverse}};
-  const std::vector<AblationRow> rows = ablate(log, map, params, variants, 1);
+  const std::vector<LocalizationVariant> variants{{"full", "", {}}, {"same", "", {}}, {"perverse", "", perverse}};
+  const std::vector<LocalizationVariantRow> rows = ablate_localization(log, map, params, variants, 1);
   ASSERT_EQ(rows.size(), 3U);
   EXPECT_EQ(rows[0].success.total, 4U);
   EXPECT_EQ(rows[0].success.hits, 4U);

@@ -1,4 +1,4 @@
-#include "flirt/eval/ablation.hpp"
+#include "flirt/eval/localization_ablation.hpp"
 
 #include "flirt/core/assert.hpp"
 
@@ -9,7 +9,7 @@ namespace flirt {
 namespace {
 
 /// Variants that change the search for candidates and their refinement.
-void add_search_variants(const LocalizeParams& full, std::vector<AblationVariant>& variants) {
+void add_search_variants(const LocalizeParams& full, std::vector<LocalizationVariant>& variants) {
   const auto add = [&](std::string_view name, std::string_view meaning, const auto& change) {
     variants.push_back({name, meaning, full});
     change(variants.back().params);
@@ -41,7 +41,7 @@ void add_search_variants(const LocalizeParams& full, std::vector<AblationVariant
 }
 
 /// Variants that change the score, or the confidence that comes of it.
-void add_score_variants(const LocalizeParams& full, std::vector<AblationVariant>& variants) {
+void add_score_variants(const LocalizeParams& full, std::vector<LocalizationVariant>& variants) {
   const auto add = [&](std::string_view name, std::string_view meaning, const auto& change) {
     variants.push_back({name, meaning, full});
     change(variants.back().params);
@@ -75,8 +75,8 @@ std::unique_ptr<bool[]> flags(std::span<const LocalizationAnswer> answers, const
   return result;
 }
 
-AblationRow row_of(const AblationVariant& variant, const LocalizationBench& bench, const LocalizationBench& full,
-                   std::uint64_t seed) {
+LocalizationVariantRow row_of(const LocalizationVariant& variant, const LocalizationBench& bench,
+                              const LocalizationBench& full, std::uint64_t seed) {
   FLIRT_ASSERT(bench.revisit && bench.answers.size() == full.answers.size());
   const std::size_t n = bench.answers.size();
   const auto is_correct = [](const LocalizationAnswer& answer) { return answer.correct; };
@@ -97,17 +97,18 @@ AblationRow row_of(const AblationVariant& variant, const LocalizationBench& benc
 
 }  // namespace
 
-std::vector<AblationVariant> ablation_variants(const LocalizeParams& full) {
-  std::vector<AblationVariant> variants{{"full", "everything", full}};
+std::vector<LocalizationVariant> localization_variants(const LocalizeParams& full) {
+  std::vector<LocalizationVariant> variants{{"full", "everything", full}};
   add_score_variants(full, variants);
   add_search_variants(full, variants);
   return variants;
 }
 
-std::vector<AblationRow> ablate(const ScanLog& log, const PlaceMap& map, const LocalizationBenchParams& params,
-                                std::span<const AblationVariant> variants, std::size_t threads,
-                                const Progress& progress) {
-  std::vector<AblationRow> rows;
+std::vector<LocalizationVariantRow> ablate_localization(const ScanLog& log, const PlaceMap& map,
+                                                        const LocalizationBenchParams& params,
+                                                        std::span<const LocalizationVariant> variants,
+                                                        std::size_t threads, const Progress& progress) {
+  std::vector<LocalizationVariantRow> rows;
   LocalizationBench full;
   for (std::size_t i = 0; i < variants.size(); ++i) {
     LocalizationBenchParams asked = params;
