@@ -95,5 +95,8 @@ void add_convert(CLI::App& program, Session& session);
 void add_bench(CLI::App& program, Session& session);
 void add_bench_localization(CLI::App& bench, Session& session);
 void add_bench_optimizers(CLI::App& bench, Session& session);
+void add_bench_detectors(CLI::App& bench, Session& session);
+void add_bench_descriptors(CLI::App& bench, Session& session);
+void add_bench_ablation(CLI::App& bench, Session& session);
 
 }  // namespace flirt::app
