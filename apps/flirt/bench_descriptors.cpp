@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <span>
 
 namespace flirt::app {
@@ -120,7 +121,28 @@ Table curves_table(const std::string& name, const DescriptorBench& bench) {
   return table;
 }
 
-/// P2 Fig. 7: a panel per transform. A marker on every tenth of the recall, so that lines are told apart in grey.
+/// Colour and marker tell the detector, the dash the descriptor: in grey as well.
+svg::SeriesStyle style_of(const FeatureMethod& method) {
+  const std::optional<DetectorParams> detector = detector_from_name(method.detector);
+  svg::SeriesStyle style = svg::series_style(detector ? detector->index() : 0);
+  style.dash = method.descriptor == "shape-context" ? svg::Dash::dashed : svg::Dash::solid;
+  return style;
+}
+
+/// The curve without points nearer than a twentieth of the recall, so that its markers can be told apart.
+svg::Series curve_series(const std::string& legend, const MatchingCounts& counts) {
+  svg::Series line{.legend = legend};
+  double next = 0;
+  for (const MatchingPoint& point : matching_curve(counts)) {
+    if (point.recall < next && point.threshold + 1 < threshold_count) { continue; }
+    line.x.push_back(point.recall);
+    line.y.push_back(point.precision);
+    next = point.recall + 0.05;
+  }
+  return line;
+}
+
+/// P2 Fig. 7: a panel per transform.
 svg::Figure figure(const std::string& title, const DescriptorBench& bench, RegionRule region, PairRule pairs) {
   svg::Figure figure{.title = title, .columns = 2};
   for (const ScanTransform transform : transforms) {
@@ -128,14 +150,8 @@ svg::Figure figure(const std::string& title, const DescriptorBench& bench, Regio
                      .x = {.label = "recall", .low = 0.0, .high = 1.0},
                      .y = {.label = "precision", .low = 0.0, .high = 1.0}};
     for (std::size_t e = 0; e < bench.entries.size(); ++e) {
-      svg::Series line{.legend = name_of(bench, e), .style = svg::series_style(e)};
-      double next = 0;
-      for (const MatchingPoint& point : matching_curve(total(bench.at({e, region, pairs, transform})))) {
-        if (point.recall < next && point.threshold + 1 < threshold_count) { continue; }
-        line.x.push_back(point.recall);
-        line.y.push_back(point.precision);
-        next = point.recall + 0.05;
-      }
+      svg::Series line = curve_series(name_of(bench, e), total(bench.at({e, region, pairs, transform})));
+      line.style = style_of(bench.methods[bench.entries[e].method]);
       chart.series.push_back(std::move(line));
     }
     figure.panels.emplace_back(std::move(chart));

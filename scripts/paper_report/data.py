@@ -1,0 +1,71 @@
+"""The logs at hand: the papers' own where a folder holds them, simulated buildings where not."""
+import dataclasses
+import pathlib
+
+from .runner import Program, Size
+
+
+@dataclasses.dataclass(frozen=True)
+class Log:
+    name: str
+    file: pathlib.Path
+    scans: int
+    beams: int
+    stands_for: str
+    published: str = ""  # its name in the papers' tables
+    relations: pathlib.Path | None = None  # of the poses, for Table 2
+    truth: pathlib.Path | None = None  # exact poses
+    odometry: pathlib.Path | None = None  # a log of the same place with raw odometry, for SLAM
+
+
+@dataclasses.dataclass(frozen=True)
+class Logs:
+    corrected: list[Log]  # with true poses, as in the papers' Table 1
+    tuning: list[Log]  # on which ablations may be looked at
+    simulated: bool
+
+
+REAL = (
+    ("fr079", "fr079/flirtlib-fr079.log.gz", "fr079/fr079.relations", None),
+    ("intel", "intel/flirtlib-intel-lab.log.gz", "intel/intel.relations", "intel/intel-910-merged.log.gz"),
+    ("csail", "mit-csail/flirtlib-mit-cscail.log.gz", None, "mit-csail/mit-csail.clf.gz"),
+)
+TUNING = (("aces", "aces/aces-corrected.log.gz"), ("fr101", "fr101/freiburg-101-corrected.log.gz"))
+
+
+def described(program: Program, name: str, file: pathlib.Path, stands_for: str, **more) -> Log:
+    info = program.json(program.folder("logs") / f"{name}.json", "info", file)
+    return Log(name, file, info["scans"], info["beams"]["most"], stands_for, **more)
+
+
+def existing(folder: pathlib.Path, relative: str | None) -> pathlib.Path | None:
+    return folder / relative if relative and (folder / relative).exists() else None
+
+
+def simulated(program: Program, size: Size, number: int) -> Log:
+    """A building of its own with exact poses; the second with half the beams, as the intel log has."""
+    folder = program.folder("logs")
+    name = f"simulated-{number}"
+    file, odometry, truth = folder / f"{name}.log", folder / f"{name}-odometry.log", folder / f"{name}.truth.tum"
+    common = ("--office-seed", number, "--office-area", size.area, "--rounds", 1 if size.name == "smallest" else 2, "--lidar-beams",
+              180 if number == 2 else 360, "--truth", truth)
+    program.run("simulate", "-o", odometry, *common)
+    program.run("simulate", "-o", file, "--log-poses", "truth", *common)
+    return described(program, name, file, "a real log that is not here", truth=truth, odometry=odometry)
+
+
+def find_logs(data: str | None, program: Program, size: Size) -> Logs:
+    corrected, tuning = [], []
+    if data:
+        folder = pathlib.Path(data)
+        for name, file, relations, odometry in REAL:
+            if existing(folder, file):
+                corrected.append(described(program, name, folder / file, "itself: the papers' own scans", published=name,
+                                           relations=existing(folder, relations), odometry=existing(folder, odometry)))
+        for name, file in TUNING:
+            if existing(folder, file):
+                tuning.append(described(program, name, folder / file, "tuning: not in the papers"))
+    if corrected:
+        return Logs(corrected, tuning or [simulated(program, size, 1)], simulated=False)
+    buildings = [simulated(program, size, 1)] if size.name == "smallest" else [simulated(program, size, n) for n in (1, 2)]
+    return Logs(buildings, buildings[:1], simulated=True)
