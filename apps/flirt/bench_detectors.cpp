@@ -56,13 +56,22 @@ Table curves_table(const std::vector<Selection>& selections, std::uint64_t seed)
   return table;
 }
 
+/// Of the reference scans, each counted as often as it was compared.
+double keypoints_per_scan(const DetectorBench& bench, std::size_t variant, ScanTransform transform) {
+  RepeatabilityCounts sum;
+  for (std::size_t c = 0; c < bench.conditions.size(); ++c) {
+    if (bench.conditions[c].transform == transform) { sum += total(bench, variant, RegionRule::common, c); }
+  }
+  return sum.scans == 0 ? 0.0 : static_cast<double>(sum.keypoints) / sum.scans;
+}
+
 /// Mean over the levels of each transform, and by how much curvature is better at the same locations.
 Table summary_table(const std::vector<Selection>& selections, std::uint64_t seed) {
   Table table{.name = "summary",
               .title = "Mean over the levels; curvature's lead at the same locations",
               .header = {"scales", "regions", "transform", "detector", "repeatability", "repeatability_low",
                          "repeatability_high", "curvature_leads_by", "curvature_leads_by_low",
-                         "curvature_leads_by_high", "locations"}};
+                         "curvature_leads_by_high", "locations", "keypoints_a_scan"}};
   for (const auto& [name, bench] : selections) {
     for (const RegionRule rule : rules) {
       for (const ScanTransform transform : transforms) {
@@ -74,7 +83,7 @@ Table summary_table(const std::vector<Selection>& selections, std::uint64_t seed
           table.rows.push_back(joined({{name, to_string(rule), to_string(transform), bench.variants[v].name},
                                        cells_of(mean.value, mean.interval),
                                        cells_of(lead.value, lead.interval),
-                                       {mean.cases}}));
+                                       {mean.cases, keypoints_per_scan(bench, v, transform)}}));
         }
       }
     }

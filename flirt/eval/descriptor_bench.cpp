@@ -88,6 +88,8 @@ std::vector<FeatureMethod> descriptor_variants() {
 
   BetaGridParams raw;
   raw.estimate = OccupancyEstimate::raw_ratio;
+  BetaGridParams raw_and_wide = raw;
+  raw_and_wide.radius = 1.0;
   BetaGridParams proportional;
   proportional.radius_rule = RadiusRule::support;
   BetaGridParams free_space;
@@ -99,6 +101,10 @@ std::vector<FeatureMethod> descriptor_variants() {
   const DetectorParams curvature = CurvatureParams{};
   return {{"curvature", "beta-grid", {curvature, BetaGridParams{}}, grid_distances},
           {"curvature", "beta-grid, raw ratio", {curvature, raw}, {chi_square, variance_chi_square}},
+          {"curvature", "beta-grid, raw ratio, radius 1 m", {curvature, raw_and_wide}},
+          {"range", "beta-grid, raw ratio", {RangeParams{}, raw}},
+          {"normal-edge", "beta-grid, raw ratio", {NormalEdgeParams{}, raw}},
+          {"normal-blob", "beta-grid, raw ratio", {NormalBlobParams{}, raw}},
           {"curvature", "beta-grid, radius 2t", {curvature, proportional}, {chi_square, variance_chi_square}},
           {"curvature", "beta-grid, radius 1 m", {curvature, wide}, {chi_square, variance_chi_square}},
           {"curvature", "beta-grid, no-return is free", {curvature, free_space}, {chi_square, variance_chi_square}},

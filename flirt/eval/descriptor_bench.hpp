@@ -24,8 +24,8 @@ struct FeatureMethod {
 
 /// The papers' comparison: 4 detectors × 2 descriptors.
 [[nodiscard]] std::vector<FeatureMethod> paper_combinations();
-/// Curvature keypoints with other β-grids (raw ratio, radius in proportion to the scale, no-return as free space), and
-/// both descriptors with every distance.
+/// Curvature keypoints with other β-grids (raw ratio, radius in proportion to the scale or 1 m, no-return as free
+/// space), both descriptors with every distance, and the raw ratio with all detectors. The papers' choice comes first.
 [[nodiscard]] std::vector<FeatureMethod> descriptor_variants();
 
 struct DescriptorBenchParams {

@@ -101,9 +101,9 @@ def detector_tables(report, name, result) -> None:
         return [entry["scales"], entry["regions"], entry["transform"], entry["detector"],
                 with_interval(entry["repeatability"], (entry["repeatability_low"], entry["repeatability_high"])),
                 with_interval(entry["curvature_leads_by"], (entry["curvature_leads_by_low"], entry["curvature_leads_by_high"])),
-                entry["locations"]]
+                f"{entry['keypoints_a_scan']:.1f}", entry["locations"]]
     report.table(f"{name}-summary", ["scales", "regions", "transform", "detector", "repeatability, mean of the levels [95 %]",
-                                     "curvature leads by [95 %]", "locations"], [row(entry) for entry in result["summary"]])
+                                     "curvature leads by [95 %]", "keypoints a scan", "locations"], [row(entry) for entry in result["summary"]])
 
 
 def descriptors(report, program, size, logs) -> None:
