@@ -139,11 +139,45 @@ void print(const ReferenceLocations& reference, const Table& summary) {
   fmt::print("{} locations of {} logs; mean over the levels [95 % by locations]\n", reference.locations.size(),
              reference.logs.size());
   for (const auto& row : summary.rows) {
-    fmt::print("  {:<11} {:<7} {:<13} {:<12} {:.3f} [{:.3f}, {:.3f}]   curvature leads by {:+.3f} [{:+.3f}, {:+.3f}]\n",
+    fmt::print("  {:<11} {:<7} {:<13} {:<16} {:.3f} [{:.3f}, {:.3f}]   curvature leads by {:+.3f} [{:+.3f}, {:+.3f}]\n",
                row[0].get<std::string>(), row[1].get<std::string>(), row[2].get<std::string>(),
                row[3].get<std::string>(), row[4].get<double>(), row[5].get<double>(), row[6].get<double>(),
                row[7].get<double>(), row[8].get<double>(), row[9].get<double>());
   }
+}
+
+/// What was run, and how to read it.
+std::string introduction(const Options& options, const ReferenceLocations& reference) {
+  return fmt::format(
+      "{} reference locations of {} logs (P2 §IV-B, Fig. 6). Two interest points correspond when their regions' "
+      "overlap "
+      "error is below {}; a place is present when its modified Hausdorff distance is below {} m. Shaded: 95 % "
+      "bootstrap "
+      "intervals over locations. “One a place”: detections within 0.2 m of one of a finer scale are dropped. “Chance”: "
+      "the points of curvature (of range) with their regions, but at random hits.",
+      reference.locations.size(), reference.logs.size(), options.bench.repeatability.overlap_error,
+      options.bench.repeatability.presence);
+}
+
+void write_all(const Options& options, const Session& session, const ReferenceLocations& reference,
+               const std::vector<Selection>& selections, const std::vector<Table>& tables) {
+  const std::filesystem::path out = value_or_quit(folder_for_results(options.out));
+  HtmlReport page("Which detector finds the same places again?");
+  page.paragraph(introduction(options, reference));
+  for (const Selection& selection : selections) {
+    for (const RegionRule rule : rules) {
+      const std::string drawing = svg::to_svg(figure(selection, rule, options, session.seed));
+      const std::string name = selection.name == "all scales" ? "all-scales" : "one-a-place";
+      value_or_quit(
+          write_file_atomically(out / fmt::format("repeatability-{}-{}.svg", name, to_string(rule)), drawing));
+      page.figure(drawing, selection.name + ", " + rule_text(rule, options.bench.common_radius));
+    }
+  }
+  for (const Table& table : tables) {
+    add_table(page, table);
+    write_table(out, table);
+  }
+  value_or_quit(write_file_atomically(out / "report.html", page.text()));
 }
 
 int run(Options& options, const Session& session) {
@@ -157,34 +191,10 @@ int run(Options& options, const Session& session) {
                                           bench(paper_detectors_of_all_scales(), "all scales")};
   const Table curves = curves_table(selections, session.seed);
   const Table summary = summary_table(selections, session.seed);
-  const Table locations = locations_table(reference);
   const nlohmann::ordered_json json = bench_json(options, session, reference, curves, summary);
   if (!options.out.empty()) {
-    const std::filesystem::path out = value_or_quit(folder_for_results(options.out));
-    HtmlReport page("Which detector finds the same places again?");
-    page.paragraph(
-        fmt::format("{} reference locations of {} logs (P2 §IV-B, Fig. 6). Two interest points correspond "
-                    "when their regions' overlap error is below {}; a place is present when its modified "
-                    "Hausdorff distance is below {} m. Shaded: 95 % bootstrap intervals over locations. "
-                    "“One a place”: detections within 0.2 m of one of a finer scale are dropped. “Chance”: "
-                    "as many points as curvature has, at random hits.",
-                    reference.locations.size(), reference.logs.size(), options.bench.repeatability.overlap_error,
-                    options.bench.repeatability.presence));
-    for (const Selection& selection : selections) {
-      for (const RegionRule rule : rules) {
-        const std::string drawing = svg::to_svg(figure(selection, rule, options, session.seed));
-        const std::string name = selection.name == "all scales" ? "all-scales" : "one-a-place";
-        value_or_quit(
-            write_file_atomically(out / fmt::format("repeatability-{}-{}.svg", name, to_string(rule)), drawing));
-        page.figure(drawing, selection.name + ", " + rule_text(rule, options.bench.common_radius));
-      }
-    }
-    add_table(page, summary);
-    add_table(page, curves);
-    add_table(page, locations);
-    for (const Table* table : {&curves, &summary, &locations}) { write_table(out, *table); }
-    value_or_quit(write_file_atomically(out / "detectors.json", json.dump(1) + "\n"));
-    value_or_quit(write_file_atomically(out / "report.html", page.text()));
+    write_all(options, session, reference, selections, {summary, curves, locations_table(reference)});
+    value_or_quit(write_file_atomically(std::filesystem::path(options.out) / "detectors.json", json.dump(1) + "\n"));
   }
   write_json(session, json);
   if (session.talks()) { print(reference, summary); }

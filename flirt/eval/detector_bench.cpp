@@ -1,5 +1,6 @@
 #include "flirt/eval/detector_bench.hpp"
 
+#include "flirt/core/assert.hpp"
 #include "flirt/core/rng.hpp"
 
 #include <algorithm>
@@ -19,18 +20,20 @@ class Detectors {
   explicit Detectors(const std::vector<DetectorVariant>& variants) {
     for (const DetectorVariant& variant : variants) {
       detectors_.push_back(variant.params ? std::optional<Detector>(*variant.params) : std::nullopt);
+      chance_of_.push_back(variant.chance_of);
     }
   }
 
   /// Keypoints of one scan, a list per variant. `stream` numbers the scan for the draw of chance.
   std::vector<std::vector<Keypoint>> detect(const Scan& scan, std::uint64_t seed, std::uint64_t stream) {
     std::vector<std::vector<Keypoint>> lists;
-    for (std::optional<Detector>& detector : detectors_) {
-      if (detector) {
-        const std::span<const Keypoint> found = detector->detect(scan);
+    for (std::size_t v = 0; v < detectors_.size(); ++v) {
+      if (detectors_[v]) {
+        const std::span<const Keypoint> found = detectors_[v]->detect(scan);
         lists.emplace_back(found.begin(), found.end());
       } else {
-        lists.push_back(lists.empty() ? std::vector<Keypoint>{} : moved_at_random(lists.front(), scan, seed, stream));
+        FLIRT_ASSERT(chance_of_[v] < v);
+        lists.push_back(moved_at_random(lists[chance_of_[v]], scan, seed, stream));
       }
     }
     return lists;
@@ -50,6 +53,7 @@ class Detectors {
   }
 
   std::vector<std::optional<Detector>> detectors_;
+  std::vector<std::size_t> chance_of_;
 };
 
 /// Adds all cases of one location to its own places of bench.counts.
@@ -80,11 +84,8 @@ double score_of(const RepeatabilityCounts& counts) {
 }  // namespace
 
 std::vector<DetectorVariant> paper_detectors() {
-  return {{"curvature", CurvatureParams{}},
-          {"range", RangeParams{}},
-          {"normal-edge", NormalEdgeParams{}},
-          {"normal-blob", NormalBlobParams{}},
-          {"chance", std::nullopt}};
+  return {{"curvature", CurvatureParams{}},    {"range", RangeParams{}}, {"normal-edge", NormalEdgeParams{}},
+          {"normal-blob", NormalBlobParams{}}, {"chance", std::nullopt}, {"chance, as range", std::nullopt, 1}};
 }
 
 std::vector<DetectorVariant> paper_detectors_of_all_scales() {

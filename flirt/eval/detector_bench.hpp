@@ -17,12 +17,13 @@ namespace flirt {
 /// A detector under test.
 struct DetectorVariant {
   std::string name{};
-  /// Nothing: the level of chance; as many keypoints as the first variant has, with its regions, at hits drawn at
-  /// random in each scan.
+  /// Nothing: the level of chance; the keypoints of variant `chance_of` with their regions, but each moved to a hit
+  /// drawn at random, in each scan anew.
   std::optional<DetectorParams> params{};
+  std::size_t chance_of{0};  ///< an earlier variant
 };
 
-/// The papers' four with their default parameters, and chance.
+/// The papers' four with their default parameters, and chance with as many points as curvature and as range have.
 [[nodiscard]] std::vector<DetectorVariant> paper_detectors();
 /// The same with every detection of every scale: no suppression of duplicates, as in the papers.
 [[nodiscard]] std::vector<DetectorVariant> paper_detectors_of_all_scales();

@@ -84,8 +84,8 @@ def detectors(report, program, size, logs) -> None:
     report.paragraph(f"{result['locations']} reference locations (detectors/locations.csv), overlap error {result['overlap_error']}, presence "
                      f"{result['presence_m']} m. “One a place”: the program's default, detections within 0.2 m of one of a finer scale are "
                      "dropped; “all scales” keeps them, as the papers do. “Native”: every detector's own support regions; “common”: discs of "
-                     "0.5 m for all, so that large regions do not overlap more easily. “Chance”: as many points as curvature has, on random "
-                     "hits.")
+                     "0.5 m for all, so that large regions do not overlap more easily. “Chance”: the points of curvature (or of range) with "
+                     "their regions, but each on a random hit: what a score is worth begins there.")
     for selection in ("all-scales", "one-a-place"):
         for rule in ("native", "common"):
             report.svg(folder / f"repeatability-{selection}-{rule}.svg", f"{selection.replace('-', ' ')}, {rule} regions; shaded: 95 % over locations.")
