@@ -6,6 +6,16 @@ from .runner import Program, Size
 
 
 @dataclasses.dataclass(frozen=True)
+class SlamRun:
+    """An input of flirt slam, and the poses that its map is compared with."""
+
+    name: str
+    file: pathlib.Path
+    truth: pathlib.Path
+    odometry: bool
+
+
+@dataclasses.dataclass(frozen=True)
 class Log:
     name: str
     file: pathlib.Path
@@ -14,8 +24,7 @@ class Log:
     stands_for: str
     published: str = ""  # its name in the papers' tables
     relations: pathlib.Path | None = None  # of the poses, for Table 2
-    truth: pathlib.Path | None = None  # exact poses
-    odometry: pathlib.Path | None = None  # a log of the same place with raw odometry, for SLAM
+    runs: tuple["SlamRun", ...] = ()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -25,10 +34,14 @@ class Logs:
     simulated: bool
 
 
+# Name, log with corrected poses, relations, and inputs with raw odometry: name, file, log with their true poses (by stamp).
 REAL = (
-    ("fr079", "fr079/flirtlib-fr079.log.gz", "fr079/fr079.relations", None),
-    ("intel", "intel/flirtlib-intel-lab.log.gz", "intel/intel.relations", "intel/intel-910-merged.log.gz"),
-    ("csail", "mit-csail/flirtlib-mit-cscail.log.gz", None, "mit-csail/mit-csail.clf.gz"),
+    ("fr079", "fr079/flirtlib-fr079.log.gz", "fr079/fr079.relations", ()),
+    ("intel", "intel/flirtlib-intel-lab.log.gz", "intel/intel.relations",
+     (("910 scans, raw odometry", "intel/intel-910-merged.log.gz", "intel/intel-910-merged.log.gz"),)),
+    ("csail", "mit-csail/flirtlib-mit-cscail.log.gz", None,
+     (("1051 scans, raw odometry", "mit-csail/mit-csail-1051-merged.log.gz", "mit-csail/mit-csail-1051-merged.log.gz"),
+      ("all 1988 scans, raw odometry", "mit-csail/mit-csail.clf.gz", "mit-csail/mit-csail-1051-merged.log.gz"))),
 )
 TUNING = (("aces", "aces/aces-corrected.log.gz"), ("fr101", "fr101/freiburg-101-corrected.log.gz"))
 
@@ -51,17 +64,21 @@ def simulated(program: Program, size: Size, number: int) -> Log:
               180 if number == 2 else 360, "--truth", truth)
     program.run("simulate", "-o", odometry, *common)
     program.run("simulate", "-o", file, "--log-poses", "truth", *common)
-    return described(program, name, file, "a real log that is not here", truth=truth, odometry=odometry)
+    runs = (SlamRun("drifting odometry", odometry, truth, True), SlamRun("no odometry", odometry, truth, False))
+    return described(program, name, file, "a real log that is not here", runs=runs)
 
 
 def find_logs(data: str | None, program: Program, size: Size) -> Logs:
     corrected, tuning = [], []
     if data:
         folder = pathlib.Path(data)
-        for name, file, relations, odometry in REAL:
+        for name, file, relations, inputs in REAL:
             if existing(folder, file):
+                runs = [SlamRun(label, folder / source, folder / truth, True) for label, source, truth in inputs
+                        if existing(folder, source) and existing(folder, truth)]
+                runs.append(SlamRun("no odometry", folder / file, folder / file, False))
                 corrected.append(described(program, name, folder / file, "itself: the papers' own scans", published=name,
-                                           relations=existing(folder, relations), odometry=existing(folder, odometry)))
+                                           relations=existing(folder, relations), runs=tuple(runs)))
         for name, file in TUNING:
             if existing(folder, file):
                 tuning.append(described(program, name, folder / file, "tuning: not in the papers"))
