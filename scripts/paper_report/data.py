@@ -1,6 +1,9 @@
 """The logs at hand: the papers' own where a folder holds them, simulated buildings where not."""
 import dataclasses
+import gzip
+import math
 import pathlib
+import random
 
 from .runner import Program, Size
 
@@ -31,6 +34,7 @@ class Log:
 class Logs:
     corrected: list[Log]  # with true poses, as in the papers' Table 1
     tuning: list[Log]  # on which ablations may be looked at
+    stand_ins: list[Log]  # for the papers' outdoor logs, which are not at hand: localization only
     simulated: bool
 
 
@@ -68,8 +72,57 @@ def simulated(program: Program, size: Size, number: int) -> Log:
     return described(program, name, file, "a real log that is not here", runs=runs)
 
 
+def write_every_second_scan(source: pathlib.Path, target: pathlib.Path) -> None:
+    """The scans 1, 3, 5 … of a log of pose and scan lines in turn, so that the others can be looked for in their map."""
+    opened = gzip.open(source, "rt") if source.suffix == ".gz" else source.open()
+    counts: dict[str, int] = {}
+    with opened, target.open("w") as out:
+        for line in opened:
+            kind = line.split(" ", 1)[0]
+            if kind not in ("VERTEX2", "ROBOTLASER1"):
+                continue
+            counts[kind] = counts.get(kind, 0) + 1
+            if counts[kind] % 2 == 0:
+                out.write(line)
+
+
+def grove(file: pathlib.Path, side: float, trees: int) -> None:
+    """A fenced square of tree trunks, as segments: what Victoria Park mostly shows to a laser."""
+    rng = random.Random(7)
+    segments = []
+
+    def outline(corners: list[tuple[float, float]]) -> None:
+        segments.extend(f"{a[0]:.3f},{a[1]:.3f},{b[0]:.3f},{b[1]:.3f}" for a, b in zip(corners, corners[1:] + corners[:1]))
+
+    placed: list[tuple[float, float]] = []
+    while len(placed) < trees:
+        middle = (rng.uniform(2, side - 2), rng.uniform(2, side - 2))
+        if any(math.dist(middle, other) < 2.5 for other in placed):
+            continue
+        placed.append(middle)
+        radius, phase = rng.uniform(0.15, 0.5), rng.uniform(0, 1)
+        outline([(middle[0] + radius * math.cos(phase + k * math.pi / 4), middle[1] + radius * math.sin(phase + k * math.pi / 4))
+                 for k in range(8)])
+    outline([(0.0, 0.0), (side, 0.0), (side, side), (0.0, side)])
+    file.write_text("\n".join(segments) + "\n")
+
+
+def outdoor_stand_ins(program: Program, size: Size) -> list[Log]:
+    folder = program.folder("logs")
+    sparse, trees, plan = folder / "sparse.log", folder / "grove.log", folder / "grove.txt"
+    common = ("--log-poses", "truth", "--rounds", 1)
+    program.run("simulate", "-o", sparse, *common, "--office-area", 4 * size.area, "--lidar-range-max", 80, "--drive-scan-distance", 1,
+                "--drive-scan-turn", 3)
+    side = 60 if size.name == "full" else 30
+    grove(plan, side, side * side // 33)
+    program.run("simulate", "-o", trees, *common, "--plan", plan, "--lidar-range-max", 30, "--drive-scan-distance", 0.5)
+    return [described(program, "simulated-sparse", sparse, "fr-clinic as in P2: a scan a metre (but indoors)"),
+            described(program, "simulated-grove", trees, "Victoria Park: tree trunks, no walls but a fence")]
+
+
 def find_logs(data: str | None, program: Program, size: Size) -> Logs:
     corrected, tuning = [], []
+    stand_ins = outdoor_stand_ins(program, size)
     if data:
         folder = pathlib.Path(data)
         for name, file, relations, inputs in REAL:
@@ -83,6 +136,6 @@ def find_logs(data: str | None, program: Program, size: Size) -> Logs:
             if existing(folder, file):
                 tuning.append(described(program, name, folder / file, "tuning: not in the papers"))
     if corrected:
-        return Logs(corrected, tuning or [simulated(program, size, 1)], simulated=False)
+        return Logs(corrected, tuning or [simulated(program, size, 1)], stand_ins, simulated=False)
     buildings = [simulated(program, size, 1)] if size.name == "smallest" else [simulated(program, size, n) for n in (1, 2)]
-    return Logs(buildings, buildings[:1], simulated=True)
+    return Logs(buildings, buildings[:1], stand_ins, simulated=True)

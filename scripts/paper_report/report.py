@@ -105,8 +105,8 @@ class Report:
         if logs.simulated:
             self.missing("No real logs were given: everything below ran on simulated buildings. The papers' numbers stand beside for "
                          "orientation only; they belong to other data.")
-        self.table("logs", ["data set", "scans", "beams", "stands for"],
-                   [[log.name, log.scans, log.beams, log.stands_for] for log in logs.corrected + logs.tuning])
+        rows = [[log.name, log.scans, log.beams, log.stands_for] for log in logs.corrected + logs.tuning + logs.stand_ins]
+        self.table("logs", ["data set", "scans", "beams", "stands for"], [row for i, row in enumerate(rows) if row not in rows[:i]])
 
     def commands(self, program, seconds: float) -> None:
         self.heading("How to repeat it")
