@@ -7,6 +7,9 @@ void add_bench(CLI::App& program, Session& session) {
   CLI::App* bench = program.add_subcommand("bench", "Experiments with intervals: what a method reaches on a log.");
   bench->require_subcommand(1);
   add_bench_buildings(*bench, session);
+  add_bench_detectors(*bench, session);
+  add_bench_descriptors(*bench, session);
+  add_bench_ablation(*bench, session);
   add_bench_localization(*bench, session);
   add_bench_tracking(*bench, session);
   add_bench_optimizers(*bench, session);

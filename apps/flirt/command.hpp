@@ -98,5 +98,8 @@ void add_bench_localization(CLI::App& bench, Session& session);
 void add_bench_tracking(CLI::App& bench, Session& session);
 void add_bench_optimizers(CLI::App& bench, Session& session);
 void add_bench_slam(CLI::App& bench, Session& session);
+void add_bench_detectors(CLI::App& bench, Session& session);
+void add_bench_descriptors(CLI::App& bench, Session& session);
+void add_bench_ablation(CLI::App& bench, Session& session);
 
 }  // namespace flirt::app

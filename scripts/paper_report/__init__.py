@@ -1,0 +1,1 @@
+"""Parts of scripts/reproduce: one module for each group of the papers' experiments."""
