@@ -10,6 +10,7 @@
 #include "apps/flirt/command.hpp"
 #include "apps/flirt/feature_flags.hpp"
 #include "apps/flirt/localize_flags.hpp"
+#include "apps/flirt/tracking_log.hpp"
 
 #include <fmt/format.h>
 
@@ -108,6 +109,7 @@ nlohmann::ordered_json bench_json(const Options& options, const Session& session
                      {"prepare", bench.times.prepare_median}};
   json["map_scans"] = bench.map_scans;
   json["every"] = options.bench.every;
+  if (options.bench.join > 1) { json["join"] = options.bench.join; }
   json["method"] = bench.revisit ? options.localize.method() : "papers";
   json["params"] = options.params.json();
   json["seed"] = session.seed;
@@ -293,9 +295,15 @@ int run(Options& options, const Session& session) {
   options.bench.seed = session.seed;
   options.bench.localize = options.localize.localize(session.seed);
   options.bench.protocol = options.protocol == "revisit" ? LocalizationProtocol::revisit : LocalizationProtocol::paper;
-  const LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
+  LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
   if (loaded.log.map_from_robot.empty()) {
     throw BadInput(options.log + ": expected a log with poses (they are the truth), found none");
+  }
+  if (options.bench.join > 1) {
+    if (options.protocol != "revisit" || options.bench.localize.method == LocalizeMethod::papers) {
+      throw UsageError("--join: expected --protocol revisit and a --method other than papers with it");
+    }
+    loaded.log = log_to_track(options.log, session);
   }
   const PlaceMap map = value_or_quit(
       build_place_map(loaded.log, options.features.features(), session.threads, progress_bar(session, "features")));
@@ -330,6 +338,10 @@ void add_bench_localization(CLI::App& bench, Session& session) {
       ->check(CLI::IsMember({"paper", "revisit"}));
   command->add_option("--every", options->bench.every, "query every K-th scan (default 1)")
       ->check(CLI::Range(1, 1000000));
+  command
+      ->add_option("--join", options->bench.join,
+                   "revisit: ask for each scan together with those before it, N in all, by odometry (default 1)")
+      ->check(CLI::Range(1, 1000));
   command->add_option("-o,--output", options->out,
                       "folder for localization.json, queries.csv, evidence.csv, localization.svg and report.html");
   options->features.add(*command, options->params);

@@ -35,8 +35,9 @@ constexpr auto enum_names(PickBy /*tag*/) {
 
 struct LocalizationBenchParams {
   LocalizationProtocol protocol{LocalizationProtocol::paper};
-  std::size_t every{1};                              ///< query every K-th scan
-  double correct_distance{0.5};                      ///< m, a pose farther from the truth is wrong
+  std::size_t every{1};          ///< query every K-th scan
+  std::size_t join{1};           ///< scans, with the query, asked as one (`revisit`); needs odometry
+  double correct_distance{0.5};  ///< m, a pose farther from the truth is wrong
   double correct_heading{radians_from_degrees(10)};  ///< rad
   double precise_distance{0.25};                     ///< m, the stricter bound reported beside
   double precise_heading{radians_from_degrees(5)};   ///< rad
