@@ -11,6 +11,7 @@
 #include "apps/flirt/feature_flags.hpp"
 #include "apps/flirt/localization_outputs.hpp"
 #include "apps/flirt/localize_flags.hpp"
+#include "apps/flirt/tracking_log.hpp"
 
 #include <fmt/format.h>
 
@@ -71,9 +72,15 @@ int run(Options& options, const Session& session) {
   }
   const std::vector<LocalizationVariant> variants =
       options.ablation ? variants_of(options) : std::vector<LocalizationVariant>{};
-  const LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
+  LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
   if (loaded.log.map_from_robot.empty()) {
     throw BadInput(options.log + ": expected a log with poses (they are the truth), found none");
+  }
+  if (options.bench.join > 1) {
+    if (options.protocol != "revisit" || options.bench.localize.method == LocalizeMethod::papers) {
+      throw UsageError("--join: expected --protocol revisit and a --method other than papers with it");
+    }
+    loaded.log = log_to_track(options.log, session);
   }
   std::vector<LoadedLog> others;
   for (const std::string& other : options.distractors) { others.push_back(value_or_quit(read_log(other))); }
@@ -83,6 +90,7 @@ int run(Options& options, const Session& session) {
                        .protocol = options.protocol,
                        .method = options.localize.method(),
                        .every = options.bench.every,
+                       .join = options.bench.join,
                        .params = options.params.json()};
   done.bench = bench_localization(loaded.log, map, options.bench, session.threads, progress_bar(session, "localizing"));
   for (std::size_t i = 0; i < others.size(); ++i) {
@@ -118,6 +126,10 @@ void add_bench_localization(CLI::App& bench, Session& session) {
       ->check(CLI::IsMember({"paper", "revisit"}));
   command->add_option("--every", options->bench.every, "query every K-th scan (default 1)")
       ->check(CLI::Range(1, 1000000));
+  command
+      ->add_option("--join", options->bench.join,
+                   "revisit: ask for each scan together with those before it, N in all, by odometry (default 1)")
+      ->check(CLI::Range(1, 1000));
   command->add_option("--distractors", options->distractors,
                       "with revisit: log of another building, of which every K-th scan is asked, too; may be repeated");
   command->add_flag("--ablation", options->ablation,

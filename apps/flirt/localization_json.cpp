@@ -156,6 +156,7 @@ nlohmann::ordered_json localization_json(const LocalizationRun& run, const Sessi
                      {"prepare", bench.times.prepare_median}};
   json["map_scans"] = bench.map_scans;
   json["every"] = run.every;
+  if (run.join > 1) { json["join"] = run.join; }
   json["method"] = bench.revisit ? run.method : "papers";
   json["params"] = run.params;
   json["seed"] = session.seed;

@@ -26,6 +26,7 @@ struct LocalizationRun {
   std::string protocol;
   std::string method;
   std::size_t every{1};
+  std::size_t join{1};
   nlohmann::ordered_json params;
   LocalizationBench bench{};
   std::vector<DistractorRun> distractors{};

@@ -1,6 +1,7 @@
 #include "flirt/eval/localization.hpp"
 
 #include "flirt/core/assert.hpp"
+#include "flirt/registration/join_scans.hpp"
 
 #include <algorithm>
 #include <array>
@@ -181,6 +182,16 @@ LocalizationTimes summarise_times(std::span<const Outcome> outcomes, std::size_t
           .prepare_median = over_queries(0.5, [](const LocalizeTimes& times) { return times.prepare_us; })};
 }
 
+/// The query alone, or the last `params.join` scans as one; none before the log begins.
+LocalizationResult answer_to(Localizer& localizer, const ScanLog& log, std::size_t query, ScanInterval excluded,
+                             const LocalizationBenchParams& params, LocalizeTimes& times) {
+  if (params.join == 1) { return localizer.localize(log.scans[query], excluded, &times); }
+  const std::size_t count = std::min(params.join, query + 1);
+  const ScanPoints joined =
+      join_scans(std::span(log.scans).subspan(query + 1 - count, count), params.localize.search.points);
+  return localizer.localize_points(log.scans[query], joined, excluded, &times);
+}
+
 }  // namespace
 
 double StrategyCurve::p_cl() const {
@@ -211,8 +222,11 @@ LocalizationBench bench_localization(const ScanLog& log, const PlaceMap& map, co
       [&](std::size_t k, std::size_t thread) {
         if (!localizers[thread]) { localizers[thread] = std::make_unique<Localizer>(map, localize_params); }
         const std::size_t query = queries[k];
-        const ScanInterval excluded = revisit ? removed[query] : ScanInterval{query, query + 1};
-        const LocalizationResult result = localizers[thread]->localize(log.scans[query], excluded, &outcomes[k].times);
+        const std::size_t first = query + 1 - std::min(params.join, query + 1);
+        const ScanInterval excluded =
+            revisit ? ScanInterval{removed[first].begin, removed[query].end} : ScanInterval{query, query + 1};
+        const LocalizationResult result =
+            answer_to(*localizers[thread], log, query, excluded, params, outcomes[k].times);
         const Pose2 truth = log.map_from_sensor(query);
         if (revisit) {
           outcomes[k].answers.push_back(answer_of(result, map, query, excluded));

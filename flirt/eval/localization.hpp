@@ -38,6 +38,7 @@ constexpr auto enum_names(PickBy /*tag*/) {
 struct LocalizationBenchParams {
   LocalizationProtocol protocol{LocalizationProtocol::paper};
   std::size_t every{1};  ///< query every K-th scan
+  std::size_t join{1};   ///< scans, with the query, asked as one (`revisit`); needs odometry
   PoseTolerance tolerance{};
   double block_length{10.0};  ///< m of path in one block of the bootstrap
   RevisitParams revisit{};

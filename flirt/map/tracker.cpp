@@ -94,7 +94,9 @@ void Tracker::search(const Scan& scan, ScanInterval excluded, TrackStep& step) {
 }
 
 void Tracker::score_particles(const MapFields& fields, const ScanPoints& points, const Pose2& robot_from_sensor) {
-  const EvidenceScorer scorer(fields, params_.localize.search.score);
+  EvidenceScoreParams params = params_.localize.search.score;
+  if (params_.initialisation == TrackInitialisation::uniform) { params.sigma = params_.uniform.sigma; }
+  const EvidenceScorer scorer(fields, params);
   parallel_for(
       particles_.size(), threads_,
       [&](std::size_t i, std::size_t /*thread*/) {

@@ -47,7 +47,8 @@ constexpr auto enum_names(TrackInitialisation /*tag*/) {
 struct UniformParams {
   std::uint32_t particles{20000};  ///< at the start, and at most
   std::uint32_t least_particles{500};
-  double score_odds{0.2};     ///< log odds of two poses per unit of score: sparse particles need a smooth likelihood
+  double score_odds{0.4};     ///< log odds of two poses per unit of score
+  double sigma{0.25};         ///< m, width of the likelihood of an end point: sparse particles need a smooth one
   double kld_error{0.05};     ///< of the distribution over bins, which sets the number (Thrun et al., table 8.4)
   double kld_quantile{2.33};  ///< standard normal quantile of the probability to keep that error: .99
   double slow{0.001};         ///< rates of the averages of the likelihood whose ratio says how many particles to
@@ -60,6 +61,7 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.particles, Field{"particles", "", "spread out at the start, and at most", 1, 1e7});
   visit(params.least_particles, Field{"least_particles", "", "at least", 1, 1e7});
   visit(params.score_odds, Field{"score_odds", "", "log odds of poses per unit of score", 0, 100});
+  visit(params.sigma, Field{"sigma", "m", "width of the likelihood of an end point's distance", 0.01, 1.0});
   visit(params.kld_error, Field{"kld_error", "", "of the distribution over bins", 0.001, 1});
   visit(params.kld_quantile, Field{"kld_quantile", "", "normal quantile of the probability to keep it", 0, 10});
   visit(params.slow, Field{"slow", "", "rate of the slow average of the likelihood", 0, 1});
