@@ -8,6 +8,7 @@ void add_bench(CLI::App& program, Session& session) {
   bench->require_subcommand(1);
   add_bench_localization(*bench, session);
   add_bench_optimizers(*bench, session);
+  add_bench_speed(*bench, session);
 }
 
 }  // namespace flirt::app

@@ -95,5 +95,6 @@ void add_convert(CLI::App& program, Session& session);
 void add_bench(CLI::App& program, Session& session);
 void add_bench_localization(CLI::App& bench, Session& session);
 void add_bench_optimizers(CLI::App& bench, Session& session);
+void add_bench_speed(CLI::App& bench, Session& session);
 
 }  // namespace flirt::app
