@@ -14,6 +14,7 @@ void add_bench(CLI::App& program, Session& session) {
   add_bench_tracking(*bench, session);
   add_bench_optimizers(*bench, session);
   add_bench_slam(*bench, session);
+  add_bench_speed(*bench, session);
 }
 
 }  // namespace flirt::app

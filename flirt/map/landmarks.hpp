@@ -45,6 +45,9 @@ class Landmarks {
   Landmarks(const PlaceMap& map, const LandmarkParams& params, ScanInterval excluded = {});
 
   [[nodiscard]] std::size_t size() const { return map_from_landmark_.size(); }
+  [[nodiscard]] std::size_t bytes() const {
+    return map_from_landmark_.size() * sizeof(Pose2) + (rows_.size() + roots_.size()) * sizeof(float);
+  }
 
   /// Places (bin centres) that the keypoints of a scan vote for, most votes first: one correspondence of oriented
   /// points fixes a pose, and each keypoint counts once in a bin, with its best similarity. `features` as the map's.

@@ -111,6 +111,34 @@ CoarseField blank_coarse_field(const MapFields& fields) {
                        static_cast<std::uint8_t>(fields.params.free_penalty + fields.params.coarse_peak));
 }
 
+/// The coarse cells of some tiles. O(cells of the tiles and of the box around them).
+void coarsen(MapFields& fields, std::span<const CellIndex> tiles) {
+  if (tiles.empty()) { return; }
+  const CoarseValues values(fields);
+  CellIndex min = tiles.front();
+  CellIndex max = min;
+  for (const CellIndex& tile : tiles) {
+    coarsen_tile(fields, values, tile.x, tile.y);
+    min = {std::min(min.x, tile.x), std::min(min.y, tile.y)};
+    max = {std::max(max.x, tile.x), std::max(max.y, tile.y)};
+  }
+  const auto factor = static_cast<std::int32_t>(fields.params.coarse_factor);
+  const auto end = [&](std::int32_t tile, std::int32_t size) {
+    return std::min(((tile + 1) * side + factor - 1) / factor, size);
+  };
+  finish(fields.coarse, {min.x * side / factor, min.y * side / factor},
+         {end(max.x, fields.coarse.width), end(max.y, fields.coarse.height)});
+}
+
+void coarsen_all(MapFields& fields) {
+  fields.coarse = blank_coarse_field(fields);
+  std::vector<CellIndex> all;
+  for (std::int32_t y = 0; y < fields.rows; ++y) {
+    for (std::int32_t x = 0; x < fields.columns; ++x) { all.push_back({x, y}); }
+  }
+  coarsen(fields, all);
+}
+
 /// A tile of `before` by its place in the map.
 const std::shared_ptr<const MapTile>* find_tile(const MapFields& before, CellIndex tile) {
   const std::int32_t x = tile.x - before.first_tile.x;
@@ -175,18 +203,12 @@ MapFields updated_fields(const MapFields& before, const EvidenceGrid& grid) {
       if (tile != nullptr || old != nullptr) { changed.push_back({x, y}); }
     }
   }
-  const bool keeps_coarse = !before.empty() && same_box(before, fields);
-  fields.coarse = keeps_coarse ? before.coarse : blank_coarse_field(fields);
-  const CoarseValues values(fields);
-  for (std::int32_t y = 0; y < fields.rows; ++y) {
-    for (std::int32_t x = 0; x < fields.columns; ++x) {
-      if (!keeps_coarse) { coarsen_tile(fields, values, x, y); }
-    }
+  if (before.empty() || !same_box(before, fields)) {
+    coarsen_all(fields);
+  } else {
+    fields.coarse = before.coarse;
+    coarsen(fields, changed);
   }
-  if (keeps_coarse) {
-    for (const CellIndex tile : changed) { coarsen_tile(fields, values, tile.x, tile.y); }
-  }
-  finish(fields.coarse, {0, 0}, {fields.coarse.width, fields.coarse.height});
   return fields;
 }
 

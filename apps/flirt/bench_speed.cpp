@@ -1,0 +1,102 @@
+// apps/flirt/bench_speed.cpp: `flirt bench speed`, how long things take and how that grows.
+#include "flirt/io/file.hpp"
+#include "flirt/io/svg.hpp"
+
+#include "apps/flirt/command.hpp"
+#include "apps/flirt/speed_section.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace flirt::app {
+namespace {
+
+struct Experiment {
+  std::string_view name;
+  SpeedSection (*run)(const SpeedOptions&, const Session&);
+};
+constexpr std::array experiments{Experiment{"map-area", speed_map_area}};
+
+struct Options {
+  std::string out;
+  std::string section{"all"};
+  SpeedOptions speed;
+};
+
+std::string cell_text(const nlohmann::ordered_json& value) {
+  return value.is_string()         ? value.get<std::string>()
+         : value.is_number_float() ? fmt::format("{:.6g}", value.get<double>())
+                                   : value.dump();
+}
+
+std::string csv_of(const nlohmann::ordered_json& rows) {
+  std::string csv;
+  for (const auto& row : rows) {
+    std::string head;
+    std::string line;
+    for (const auto& [key, value] : row.items()) {
+      head += (head.empty() ? "" : ",") + key;
+      line += (line.empty() ? "" : ",") + cell_text(value);
+    }
+    csv += (csv.empty() ? head + "\n" : "") + line + "\n";
+  }
+  return csv;
+}
+
+int run(const Options& options, const Session& session) {
+  nlohmann::ordered_json json;
+  for (const Experiment& experiment : experiments) {
+    if (options.section != "all" && options.section != experiment.name) { continue; }
+    const SpeedSection section = experiment.run(options.speed, session);
+    const std::string csv = csv_of(section.rows);
+    json[std::string(experiment.name)] = section.rows;
+    if (!options.out.empty()) {
+      const std::filesystem::path out = value_or_quit(folder_for_results(options.out));
+      const std::string name = "speed-" + std::string(experiment.name);
+      value_or_quit(write_file_atomically(out / (name + ".csv"), csv));
+      value_or_quit(write_file_atomically(out / (name + ".svg"), svg::to_svg(section.figure)));
+    }
+    if (session.talks()) { std::fputs(csv.c_str(), stdout); }
+  }
+  json["time"] = "CPU time of one thread";
+  json["queries"] = options.speed.queries;
+  json["seed"] = session.seed;
+  json.update(provenance());
+  if (!options.out.empty()) {
+    const std::filesystem::path out = value_or_quit(folder_for_results(options.out));
+    value_or_quit(write_file_atomically(out / "speed.json", json.dump(2) + "\n"));
+  }
+  write_json(session, json);
+  return exit_done;
+}
+
+}  // namespace
+
+double cpu_us() {
+  return static_cast<double>(std::clock()) * (1e6 / static_cast<double>(CLOCKS_PER_SEC));
+}
+
+void add_bench_speed(CLI::App& bench, Session& session) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(bench, session, "speed", "How long things take, and how that grows.",
+                                  "flirt bench speed --areas 1000,10000 --queries 50 -o results");
+  std::vector<std::string> names{"all"};
+  for (const Experiment& experiment : experiments) { names.emplace_back(experiment.name); }
+  command->add_option("--section", options->section, "experiment to run (default all)")->check(CLI::IsMember(names));
+  command->add_option("--areas", options->speed.areas, "m², floors of the buildings that are mapped")
+      ->delimiter(',')
+      ->check(CLI::Range(200.0, 1e6));
+  command->add_option("--queries", options->speed.queries, "scans localized in each map (default 100)")
+      ->check(CLI::Range(1, 100000));
+  command->add_option("-o,--output", options->out, "folder for speed.json and a CSV and an SVG file for each section");
+  session.on(command, [&session, options] { return run(*options, session); });
+}
+
+}  // namespace flirt::app

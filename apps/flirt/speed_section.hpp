@@ -1,0 +1,35 @@
+// apps/flirt/speed_section.hpp: one experiment of `flirt bench speed`; each lives in a file speed_NAME.cpp of its name.
+//
+// A new section is such a file, its declaration below, and one line in the table of bench_speed.cpp.
+#pragma once
+
+#include "flirt/io/svg.hpp"
+
+#include "apps/flirt/command.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace flirt::app {
+
+struct SpeedOptions {
+  std::vector<double> areas{1000, 3000, 10000, 30000, 100000};  ///< m², floors of the buildings
+  std::size_t queries{100};                                     ///< scans localized in each map
+};
+
+/// What an experiment found: a table, row by row with equal keys, and the same drawn.
+struct SpeedSection {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  svg::Figure figure{};
+};
+
+/// CPU time of this process, µs: what one thread takes, whatever else runs on the machine.
+[[nodiscard]] double cpu_us();
+
+/// Localization of single scans against the area of the map, in simulated offices.
+[[nodiscard]] SpeedSection speed_map_area(const SpeedOptions& options, const Session& session);
+
+}  // namespace flirt::app
