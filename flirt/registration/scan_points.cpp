@@ -14,6 +14,14 @@ ScanPoints scan_points(const Scan& scan, const ScanPointParams& params) {
     points.y.push_back(static_cast<float>(last.y));
     points.range.push_back(static_cast<float>(range));
   }
+  if (points.size() > 1 && is_full_turn(scan)) {  // the first point is the neighbour of the last one, too
+    const Point2 first{points.x.front(), points.y.front()};
+    if (norm(first - last) < params.spacing) {
+      points.x.pop_back();
+      points.y.pop_back();
+      points.range.pop_back();
+    }
+  }
   return points;
 }
 

@@ -34,7 +34,8 @@ struct ScanPoints {
   [[nodiscard]] std::size_t size() const { return x.size(); }
 };
 
-/// Keeps the first end point, and each that lies at least `spacing` from the last one kept. O(beams).
+/// Keeps the first end point, and each that lies at least `spacing` from the last one kept; of a full turn the last one
+/// only when it is not too near to the first. O(beams).
 [[nodiscard]] ScanPoints scan_points(const Scan& scan, const ScanPointParams& params = {});
 
 }  // namespace flirt
