@@ -1,14 +1,19 @@
 // apps/flirt/slam.cpp: `flirt slam`, a consistent map from any log.
 #include "flirt/slam/slam.hpp"
 
+#include "flirt/io/flirt_map.hpp"
+#include "flirt/io/g2o.hpp"
 #include "flirt/io/log.hpp"
+#include "flirt/io/tum.hpp"
 
 #include "apps/flirt/command.hpp"
 #include "apps/flirt/slam_outputs.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <memory>
 #include <string>
 
@@ -21,6 +26,7 @@ struct Options {
   bool no_odometry{false};
   std::string window;
   std::string front_end;
+  std::string resume;
   std::size_t every{1};
   SlamParams slam;
   ParamFlags params;
@@ -60,7 +66,39 @@ std::string odometry_use(const Options& options, const ScanLog& log) {
   return options.slam.odometry == OdometryUse::ignore || options.slam.window > 0 ? "ignored" : "used";
 }
 
-SlamRun map_log(const Options& options, const ScanLog& log, const Session& session) {
+/// What `flirt slam` wrote earlier.
+struct EarlierMap {
+  std::vector<Scan> scans;
+  std::vector<double> stamps;
+  PoseGraph graph;
+};
+
+EarlierMap read_earlier(const std::string& folder) {
+  const std::filesystem::path path(folder);
+  const PlaceMap places = value_or_quit(read_place_map(path / "map.flirt"));
+  const std::vector<StampedPose> trajectory = value_or_quit(read_tum(path / "trajectory.tum"));
+  EarlierMap earlier;
+  earlier.graph = value_or_quit(read_g2o(path / "graph.g2o")).graph;
+  const std::size_t nodes = earlier.graph.map_from_node.size();
+  if (places.size() != nodes || trajectory.size() != nodes || nodes == 0) {
+    throw BadInput(
+        fmt::format("{}: expected one map of flirt slam, found {} nodes in graph.g2o, {} scans in map.flirt and "
+                    "{} poses in trajectory.tum",
+                    folder, nodes, places.size(), trajectory.size()));
+  }
+  constexpr std::uint32_t farthest_motion = 3;  // nodes; edges of the front-ends reach no farther
+  for (PoseEdge& edge : earlier.graph.edges) {
+    const std::uint32_t apart = edge.a > edge.b ? edge.a - edge.b : edge.b - edge.a;
+    edge.kind = apart <= farthest_motion ? EdgeKind::motion : EdgeKind::loop;
+  }
+  for (std::size_t i = 0; i < nodes; ++i) {
+    earlier.scans.push_back(places.scan(i));
+    earlier.stamps.push_back(trajectory[i].stamp);
+  }
+  return earlier;
+}
+
+SlamRun map_log(const Options& options, const ScanLog& log, const EarlierMap& earlier, const Session& session) {
   using Clock = std::chrono::steady_clock;
   SlamRun run{.log = options.log,
               .odometry = odometry_use(options, log),
@@ -78,6 +116,11 @@ SlamRun map_log(const Options& options, const ScanLog& log, const Session& sessi
     run.latency_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
     if (progress) { progress(static_cast<double>(i + 1) / static_cast<double>(log.scans.size())); }
   }
+  if (!earlier.scans.empty()) {
+    run.join = slam.join(earlier.scans, earlier.graph);
+    if (run.join->agreeing == 0) { return run; }
+    run.earlier_scans = earlier.scans.size();
+  }
   slam.finish();
   run.graph = slam.graph();
   run.steps = slam.steps();
@@ -91,6 +134,10 @@ void print(const Options& options, const SlamRun& run, const LogReport& report) 
   if (report.odometry_repeats_pose) {
     fmt::print("the odometry of this log repeats its corrected poses: it was not used\n");
   }
+  if (run.join) {
+    fmt::print("joined to the {} scans of {}: {} of {} places found agree\n", run.earlier_scans, options.resume,
+               run.join->agreeing, run.join->found);
+  }
   if (s.unobservable > 0) {
     fmt::print("{} motions could not be seen in some direction: see summary.json\n", s.unobservable);
   }
@@ -102,14 +149,44 @@ void print(const Options& options, const SlamRun& run, const LogReport& report) 
   fmt::print("map, trajectory, graph and report in {}\n", options.out);
 }
 
+/// Nothing is written but the JSON that was asked for.
+int report_not_found(const Options& options, const SlamRun& run, const Session& session) {
+  write_json(session, slam_json(run));
+  if (!session.quiet) {
+    fmt::print(stderr,
+               "flirt: {}: not found in the map of {}: {} of {} scans were found at one place each, too few of them "
+               "agree; nothing was written\n",
+               options.log, options.resume, run.join->found, run.join->queries);
+  }
+  return exit_not_found;
+}
+
+/// The scans of both runs, those of the earlier map first.
+ScanLog with_earlier(EarlierMap earlier, ScanLog log) {
+  if (earlier.scans.empty()) { return log; }
+  ScanLog both;
+  both.scans = std::move(earlier.scans);
+  for (std::size_t i = 0; i < both.scans.size(); ++i) { both.scans[i].stamp = earlier.stamps[i]; }
+  std::ranges::move(log.scans, std::back_inserter(both.scans));
+  return both;
+}
+
 int run(Options& options, const Session& session) {
   options.params.resolve(session.config);
   apply_short_flags(options);
   LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
   loaded.log = every_kth(std::move(loaded.log), options.every);
-  const std::filesystem::path folder = value_or_quit(folder_for_results(options.out));
-  const SlamRun result = map_log(options, loaded.log, session);
-  write_slam_outputs(folder, result, std::move(loaded.log), session);
+  EarlierMap earlier;
+  std::filesystem::path folder;
+  if (options.resume.empty()) {
+    folder = value_or_quit(folder_for_results(options.out));
+  } else {
+    earlier = read_earlier(options.resume);
+  }
+  const SlamRun result = map_log(options, loaded.log, earlier, session);
+  if (result.join && result.join->agreeing == 0) { return report_not_found(options, result, session); }
+  folder = value_or_quit(folder_for_results(options.out));
+  write_slam_outputs(folder, result, with_earlier(std::move(earlier), std::move(loaded.log)), session);
   write_json(session, slam_json(result));
   if (session.talks()) { print(options, result, loaded.report); }
   return exit_done;
@@ -132,6 +209,8 @@ void add_slam(CLI::App& program, Session& session) {
   for (const auto& [kind, name] : enum_names(FrontEndKind{})) { front_ends.emplace_back(name); }
   command->add_option("--front-end", options->front_end, "how the motion between scans is found")
       ->check(CLI::IsMember(front_ends));
+  command->add_option("--resume", options->resume,
+                      "folder of an earlier flirt slam: find this log in its map, and make one map of both");
   command->add_option("--every", options->every, "use every K-th scan (default 1)")->check(CLI::Range(1, 1000000));
   options->params.add(*command, "slam", options->slam);
   session.on(command, [&session, options] { return run(*options, session); });

@@ -34,7 +34,7 @@ std::string figure(const SlamRun& run, const GridMapImage& map) {
     overlay.closures.emplace_back(poses[edge.a].translation(), poses[edge.b].translation());
   }
   for (std::size_t i = 0; i < run.steps.size(); ++i) {
-    if (run.steps[i].unobservable) { overlay.unseen.push_back(poses[i].translation()); }
+    if (run.steps[i].unobservable) { overlay.unseen.push_back(poses[run.earlier_scans + i].translation()); }
   }
   return map_picture(map, overlay);
 }
@@ -117,12 +117,23 @@ nlohmann::ordered_json slam_json(const SlamRun& run) {
         {"polish", s.seconds.polish}}},
       {"latency_ms", {{"median", latency.median}, {"p99", latency.p99}, {"worst", latency.worst}}},
       {"params", run.params}};
+  if (run.join) {
+    json["resumed"] = {{"earlier_scans", run.earlier_scans},
+                       {"queries", run.join->queries},
+                       {"found", run.join->found},
+                       {"agreeing", run.join->agreeing}};
+  }
   json.update(provenance());
   return json;
 }
 
 void write_slam_outputs(const std::filesystem::path& folder, const SlamRun& run, ScanLog log, const Session& session) {
-  value_or_quit(write_tum(folder / "trajectory.tum", trajectory(run, log)));
+  const std::vector<StampedPose> poses = trajectory(run, log);
+  value_or_quit(write_tum(folder / "trajectory.tum", poses));
+  if (run.join) {
+    const auto first = poses.begin() + static_cast<std::ptrdiff_t>(run.earlier_scans);
+    value_or_quit(write_tum(folder / "session.tum", {first, poses.end()}));
+  }
   value_or_quit(write_g2o(folder / "graph.g2o", run.graph));
   log.map_from_robot = run.graph.map_from_node;
   const GridMapImage map = map_of(log, run.graph.map_from_node);

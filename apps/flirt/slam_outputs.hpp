@@ -7,6 +7,7 @@
 #include "apps/flirt/command.hpp"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,13 +23,15 @@ struct SlamRun {
   SlamSummary summary;
   std::vector<double> latency_ms;  ///< of `add`, per scan
   nlohmann::ordered_json params;
+  std::optional<SessionJoin> join{};  ///< with an earlier map
+  std::size_t earlier_scans{0};       ///< of that map; their nodes come first
 };
 
 /// What summary.json holds, and --json prints.
 nlohmann::ordered_json slam_json(const SlamRun& run);
 
-/// trajectory.tum, graph.g2o, map.pgm, map.yaml, map.png, map.flirt, report.html and summary.json. The poses of `log`
-/// are replaced by those of the run.
+/// trajectory.tum, after a join also session.tum with the poses of this run alone, graph.g2o, map.pgm, map.yaml,
+/// map.png, map.flirt, report.html and summary.json. The poses of `log` are replaced by those of the run.
 void write_slam_outputs(const std::filesystem::path& folder, const SlamRun& run, ScanLog log, const Session& session);
 
 }  // namespace flirt::app

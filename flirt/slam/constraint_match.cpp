@@ -1,10 +1,7 @@
 #include "flirt/slam/constraint_match.hpp"
 
-#include "flirt/graph/edge_error.hpp"
 #include "flirt/match/verify.hpp"
 #include "flirt/registration/surface_alignment.hpp"
-
-#include <Eigen/LU>
 
 #include <algorithm>
 
@@ -16,16 +13,6 @@ RansacParams ransac_params(const FlirtParams& params) {
   ransac.min_inliers = params.min_inliers + 1;
   ransac.keypoint_deviation = params.keypoint_deviation;
   return ransac;
-}
-
-/// The covariance of a motion between sensors, whose errors stand in the reference's frame, as information of an edge
-/// between the robots, whose errors stand in the later robot's frame.
-Eigen::Matrix3d robot_information(const Eigen::Matrix3d& covariance, const Pose2& reference_from_query,
-                                  const Pose2& robot_from_sensor) {
-  const Eigen::Matrix3d turn = adjoint(Pose2{0, 0, -reference_from_query.theta});
-  const Eigen::Matrix3d to_robot = adjoint(robot_from_sensor) * turn;
-  const Eigen::Matrix3d in_robot = to_robot * covariance * to_robot.transpose();
-  return in_robot.inverse();
 }
 
 double mean_distance(std::span<const IndexPair> inliers, const KeypointColumns& query, const KeypointColumns& reference,

@@ -26,17 +26,16 @@ void GlobalPlaces::update(std::span<const SlamScan> scans, std::span<const Pose2
   }
 }
 
-std::optional<Pose2> GlobalPlaces::find(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node,
-                                        std::size_t earlier) {
-  update(scans, map_from_node, earlier);
+std::optional<FoundPlace> GlobalPlaces::find(const Scan& scan) {
   if (!fields_) { fields_ = map_fields(grid_); }
   if (fields_->empty()) { return std::nullopt; }
-  const Scan& scan = scans.back().scan;
   const ScanPoints points = scan_points(scan);
   if (points.size() == 0) { return std::nullopt; }
   const std::vector<ScoredPose> poses = search(*fields_, points);
   if (judge_answer(poses, points.size()).verdict != Verdict::unique) { return std::nullopt; }
-  return poses.front().map_from_sensor * inverse(scan.robot_from_sensor);
+  const ScoredPose& best = poses.front();
+  return FoundPlace{best.map_from_sensor * inverse(scan.robot_from_sensor),
+                    robot_information(best.covariance, best.map_from_sensor, scan.robot_from_sensor)};
 }
 
 }  // namespace flirt

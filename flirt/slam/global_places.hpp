@@ -12,18 +12,22 @@
 
 namespace flirt {
 
-/// The evidence of the scans that count as earlier, kept from query to query; scans that the graph moved are taken out
-/// and put in anew.
+/// A place that localization found for a scan, of its robot.
+struct FoundPlace {
+  Pose2 map_from_robot{};
+  Eigen::Matrix3d information{Eigen::Matrix3d::Identity()};  ///< of the pose, in the robot's frame, as of an edge
+};
+
+/// The evidence of some scans, kept from query to query; scans that the graph moved are taken out and put in anew.
 class GlobalPlaces {
  public:
-  /// The pose of the newest scan's robot in the map of the first `earlier` scans, when localization finds it there and
-  /// nowhere else (Verdict::unique). O(cells of the map) besides what moved.
-  [[nodiscard]] std::optional<Pose2> find(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node,
-                                          std::size_t earlier);
+  /// The map becomes that of the first `earlier` scans. O(what changed).
+  void update(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, std::size_t earlier);
+  /// The pose of a scan's robot in that map, when localization finds it there and nowhere else (Verdict::unique).
+  /// O(cells of the map).
+  [[nodiscard]] std::optional<FoundPlace> find(const Scan& scan);
 
  private:
-  void update(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, std::size_t earlier);
-
   EvidenceGrid grid_{};
   std::vector<Pose2> map_from_placed_{};  ///< per node in the grid, of the robot
   std::optional<MapFields> fields_{};     ///< of the grid, until that changes

@@ -172,9 +172,10 @@ std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::
   last_search_ = travel;
   const auto first_recent = std::ranges::upper_bound(travel_, travel - params_.global_min_travel);
   const auto earlier = static_cast<std::size_t>(first_recent - travel_.begin());
-  const std::optional<Pose2> place = places_.find(scans, map_from_node, earlier);
-  if (!place || !gather(scans, map_from_node, *place, sight)) { return {}; }
-  std::optional<Found> found = search(query, node, *place, extent, turn);
+  places_.update(scans, map_from_node, earlier);
+  const std::optional<FoundPlace> place = places_.find(scans[node].scan);
+  if (!place || !gather(scans, map_from_node, place->map_from_robot, sight)) { return {}; }
+  std::optional<Found> found = search(query, node, place->map_from_robot, extent, turn);
   if (!found) { return {}; }
   found->source = ClosureSource::anywhere;
   add_nearest(*found);

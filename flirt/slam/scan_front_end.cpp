@@ -123,10 +123,13 @@ std::pair<ScanFrontEnd::Judged, MotionSource> ScanFrontEnd::best_pose(const Slam
   if (best.first.score >= params_.convincing_score) { return best; }
   const double turn = odometry ? 4 * params_.odometry_turn : std::numbers::pi;
   take_better(search(scan.points, prediction, params_.wide_extent, turn), MotionSource::wide);
-  if (best.first.score >= params_.suspect_score) { return best; }
-  take_better(match_keypoints(scan, prediction), MotionSource::wide);
+  // Where scans are far apart, or nothing else helps, a pose that is in doubt has rivals farther away.
   const double extent = wide_extent();
-  if (best.first.score >= params_.suspect_score || odometry || extent <= params_.wide_extent) { return best; }
+  const bool far_apart = !odometry && extent > params_.wide_extent;
+  const double doubtful = far_apart ? params_.suspect_score : params_.usable_score;
+  if (best.first.score >= doubtful) { return best; }
+  take_better(match_keypoints(scan, prediction), MotionSource::wide);
+  if (best.first.score >= doubtful || !far_apart) { return best; }
   take_better(search(scan.points, prediction, extent, turn), MotionSource::wide);
   return best;
 }

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <span>
 #include <utility>
 #include <variant>
@@ -80,7 +81,9 @@ struct Slam::State {
   /// Scans that may be in a wrong place: they fit their partners badly, or their motion was not sure when it was found,
   /// or that of the scan after them, which would tell.
   [[nodiscard]] std::vector<std::uint32_t> suspects(std::span<const double> fit) const {
-    const auto unsure = [&](std::size_t i) {
+    const auto unsure = [&](std::size_t node) {
+      if (node < joined) { return false; }
+      const std::size_t i = node - joined;
       return i < steps.size() && steps[i].source != MotionSource::first &&
              (steps[i].source != MotionSource::narrow || steps[i].score < params.suspect_score);
     };
@@ -118,6 +121,7 @@ struct Slam::State {
   std::vector<SlamScan> scans{};
   PoseGraph graph{};
   std::vector<SlamStep> steps{};
+  std::uint32_t joined{0};  ///< nodes of an earlier map, before those of `steps`
   SlamSummary summary{};
 };
 
@@ -140,6 +144,33 @@ SlamStep Slam::add(const Scan& scan) {
   if (s.params.window == 0 || s.params.front_end == FrontEndKind::flirt) { s.steps.back().closures = s.close_loops(); }
   s.steps.back().map_from_robot = s.graph.map_from_node.back();
   return s.steps.back();
+}
+
+SessionJoin Slam::join(std::span<const Scan> scans, const PoseGraph& graph) {
+  State& s = *state_;
+  std::vector<SlamScan> earlier;
+  earlier.reserve(scans.size() + s.scans.size());
+  for (const Scan& scan : scans) { earlier.push_back(s.prepared(scan)); }
+  s.optimize_poses(10);
+  const SessionPlace place = find_session({earlier, graph}, {s.scans, s.graph});
+  if (place.summary.agreeing == 0) { return place.summary; }
+  s.joined = static_cast<std::uint32_t>(earlier.size());
+  PoseGraph joint = graph;
+  for (const Pose2& pose : s.graph.map_from_node) { joint.map_from_node.push_back(place.earlier_from_run * pose); }
+  for (PoseEdge edge : s.graph.edges) {
+    edge.a += s.joined;
+    edge.b += s.joined;
+    joint.edges.push_back(edge);
+  }
+  for (PoseEdge edge : place.edges) {
+    edge.b += s.joined;
+    joint.edges.push_back(edge);
+  }
+  s.graph = std::move(joint);
+  std::ranges::move(s.scans, std::back_inserter(earlier));
+  s.scans = std::move(earlier);
+  s.optimize_poses(30);
+  return place.summary;
 }
 
 void Slam::finish() {

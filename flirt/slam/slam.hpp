@@ -10,11 +10,13 @@
 #include "flirt/core/scan.hpp"
 #include "flirt/graph/pose_graph.hpp"
 #include "flirt/slam/front_end.hpp"
+#include "flirt/slam/session.hpp"
 #include "flirt/slam/slam_params.hpp"
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace flirt {
@@ -66,10 +68,15 @@ class Slam {
   Slam& operator=(const Slam&) = delete;
 
   SlamStep add(const Scan& scan);
+  /// Joins this run to an earlier map, whose node i is `scans[i]`: its scans and nodes come first, those of this run
+  /// after them, in the earlier map's frame. When the run is not found there (`agreeing` is 0), nothing changes. To be
+  /// called once, before `finish`; no scans may be added after it. O(queries · cells of the map).
+  SessionJoin join(std::span<const Scan> scans, const PoseGraph& graph);
   /// Optimizes all, then aligns overlapping scans jointly; not with a window. More scans may be added after it.
   void finish();
 
   [[nodiscard]] const PoseGraph& graph() const;
+  /// Of the scans added; those of an earlier map have none.
   [[nodiscard]] const std::vector<SlamStep>& steps() const;
   [[nodiscard]] SlamSummary summary() const;
 

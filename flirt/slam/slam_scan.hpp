@@ -4,6 +4,7 @@
 #include "flirt/core/pose2.hpp"
 #include "flirt/core/scan.hpp"
 #include "flirt/features/features.hpp"
+#include "flirt/graph/edge_error.hpp"
 #include "flirt/match/columns.hpp"
 #include "flirt/match/distance.hpp"
 #include "flirt/registration/evidence_score.hpp"
@@ -40,6 +41,17 @@ struct SlamScan {
   const Eigen::Matrix3d information = terms / (range_sigma * range_sigma) + least;
   const Eigen::Matrix3d covariance = information.inverse() + Eigen::Matrix3d(common.asDiagonal());
   return covariance.inverse();
+}
+
+/// The covariance of a motion between sensors, whose errors stand in the reference's frame, as information of an edge
+/// between the robots, whose errors stand in the later robot's frame.
+[[nodiscard]] inline Eigen::Matrix3d robot_information(const Eigen::Matrix3d& covariance,
+                                                       const Pose2& reference_from_query,
+                                                       const Pose2& robot_from_sensor) {
+  const Eigen::Matrix3d turn = adjoint(Pose2{0, 0, -reference_from_query.theta});
+  const Eigen::Matrix3d to_robot = adjoint(robot_from_sensor) * turn;
+  const Eigen::Matrix3d in_robot = to_robot * covariance * to_robot.transpose();
+  return in_robot.inverse();
 }
 
 }  // namespace flirt
