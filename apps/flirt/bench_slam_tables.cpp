@@ -35,13 +35,44 @@ std::string mean_and_deviation(const ErrorSummary& error, int digits) {
   return fmt::format("{:.{}f} ± {:.{}f}", error.mean, digits, error.deviation, digits);
 }
 
+enum class RelationPart : std::uint8_t { translation, rotation };
+
+std::string relation_text(const SlamRow* row, RelationPart part) {
+  if (row == nullptr || !row->relations || row->relations->difference.translation.count == 0) { return "-"; }
+  const TrajectoryError& error = row->relations->difference;
+  return part == RelationPart::translation ? mean_and_deviation(error.translation, 3)
+                                           : mean_and_deviation(error.rotation_degrees, 2);
+}
+
+std::string name_of(RelationPart part) {
+  return part == RelationPart::translation ? "way, m" : "turn, deg";
+}
+
+const PrintedRow* printed_for(const std::string& log) {
+  const auto found = std::ranges::find_if(printed, [&](const PrintedRow& row) { return log.starts_with(row.log); });
+  return found == printed.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> printed_cells(const PrintedRow& row, RelationPart part) {
+  std::vector<std::string> cells{std::string(row.log), "printed", name_of(part)};
+  const auto& values = part == RelationPart::translation ? row.translation : row.rotation;
+  cells.insert(cells.end(), values.begin(), values.end());
+  return cells;
+}
+
+std::vector<std::string> found_cells(const SlamTable& table, RelationPart part) {
+  std::vector<std::string> cells{table.input.name, "here", name_of(part)};
+  for (const std::string_view method : paper_methods) { cells.push_back(relation_text(row_of(table, method), part)); }
+  cells.push_back(relation_text(row_of(table, "auto"), part));
+  return cells;
+}
+
 std::vector<std::string> row_cells(const SlamRow& row) {
   const std::string none = "-";
   std::vector<std::string> cells{row.method, row.odometry};
   cells.push_back(row.ate ? fmt::format("{:.3f}", row.ate->translation.rmse) : none);
-  const bool related = row.relations && row.relations->difference.translation.count > 0;
-  cells.push_back(related ? mean_and_deviation(row.relations->difference.translation, 3) : none);
-  cells.push_back(related ? mean_and_deviation(row.relations->difference.rotation_degrees, 2) : none);
+  cells.push_back(relation_text(&row, RelationPart::translation));
+  cells.push_back(relation_text(&row, RelationPart::rotation));
   cells.push_back(fmt::format("{:.4f}", row.quality.point_to_line_rms));
   cells.push_back(std::to_string(row.quality.occupied_cells));
   cells.push_back(row.closures ? fmt::format("{} / {}", row.closures->accepted, row.closures->wrong) : none);
@@ -105,29 +136,12 @@ TextTable runs_table(const SlamTable& table) {
 TextTable paper_table(const std::vector<SlamTable>& tables) {
   TextTable text{.header = {"log", "", "error"}, .rows = {}};
   text.header.insert(text.header.end(), paper_names.begin(), paper_names.end());
-  text.header.emplace_back("scan map (auto)");
+  text.header.emplace_back("auto");
   for (const SlamTable& table : tables) {
     if (table.input.relations.empty()) { continue; }
-    for (const bool turn : {false, true}) {
-      const std::string unit = turn ? "turn, deg" : "way, m";
-      const auto known =
-          std::ranges::find_if(printed, [&](const PrintedRow& row) { return table.input.name.starts_with(row.log); });
-      if (known != printed.end()) {
-        std::vector<std::string> cells{table.input.name, "printed", unit};
-        const auto& values = turn ? known->rotation : known->translation;
-        cells.insert(cells.end(), values.begin(), values.end());
-        text.rows.push_back(std::move(cells));
-      }
-      std::vector<std::string> cells{table.input.name, "here", unit};
-      for (const std::string_view method :
-           {paper_methods[0], paper_methods[1], paper_methods[2], std::string_view("auto")}) {
-        const SlamRow* row = row_of(table, method);
-        const bool known_here = row != nullptr && row->relations && row->relations->difference.translation.count > 0;
-        cells.push_back(!known_here ? "-"
-                        : turn      ? mean_and_deviation(row->relations->difference.rotation_degrees, 2)
-                                    : mean_and_deviation(row->relations->difference.translation, 3));
-      }
-      text.rows.push_back(std::move(cells));
+    for (const RelationPart part : {RelationPart::translation, RelationPart::rotation}) {
+      if (const PrintedRow* row = printed_for(table.input.name)) { text.rows.push_back(printed_cells(*row, part)); }
+      text.rows.push_back(found_cells(table, part));
     }
   }
   return text;

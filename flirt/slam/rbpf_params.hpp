@@ -32,7 +32,8 @@ struct RbpfParams {
   double step_translation{0.08};   ///< m, first step of the climb to the best pose
   double step_rotation{0.04};      ///< rad
   std::uint32_t step_halvings{4};  ///< after which the climb ends
-  double doubt_share{0.7};         ///< share of points near something below which the climb is tried from turned poses
+  double doubt_share{0.75};        ///< share of points near something below which the climb is tried from more starts
+  std::uint32_t doubt_starts{4};   ///< drawn from the motion
   double lost_share{0.3};          ///< share of points near something below which matching has failed
 
   std::uint32_t samples{40};        ///< drawn around the best pose for the proposal
@@ -41,10 +42,10 @@ struct RbpfParams {
 
   double way_per_way{0.1};    ///< m/m, deviation of odometry's way by the way
   double way_per_turn{0.05};  ///< m/rad, by the turn
-  double turn_per_turn{0.2};  ///< rad/rad, deviation of odometry's turn by the turn
+  double turn_per_turn{0.3};  ///< rad/rad, deviation of odometry's turn by the turn
   double turn_per_way{0.1};   ///< rad/m, by the way
   double way_floor{0.02};     ///< m, deviation of a robot that does not move
-  double turn_floor{0.01};    ///< rad
+  double turn_floor{0.03};    ///< rad
   double blind_way{0.3};      ///< m, deviation of the motion without odometry from the motion before
   double blind_turn{0.3};     ///< rad
 
@@ -73,7 +74,8 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.step_translation, Field{"step_translation", "m", "first step of the climb", 0.001, 1});
   visit(params.step_rotation, Field{"step_rotation", "rad", "first step of the climb", 0.001, 1});
   visit(params.step_halvings, Field{"step_halvings", "", "of the steps until the climb ends", 1, 20});
-  visit(params.doubt_share, Field{"doubt_share", "1", "fewer points near something: climbs from turned poses", 0, 1});
+  visit(params.doubt_share, Field{"doubt_share", "1", "fewer points near something: more climbs", 0, 1});
+  visit(params.doubt_starts, Field{"doubt_starts", "", "drawn from the motion for them", 0, 100});
   visit(params.lost_share, Field{"lost_share", "1", "fewer points near something: matching failed", 0, 1});
   visit(params.samples, Field{"samples", "", "drawn around the best pose", 8, 10000});
   visit(params.sample_translation, Field{"sample_translation", "m", "half width of the samples", 0.001, 1});

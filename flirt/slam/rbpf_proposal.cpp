@@ -91,9 +91,10 @@ MotionBelief belief_from_last_motion(const Pose2& map_from_robot, const Pose2& m
 }
 
 double log_motion(const MotionBelief& belief, const Pose2& map_from_robot) {
+  constexpr double freedom = 3;
   const double way = distance(belief.map_from_robot, map_from_robot) / belief.way_deviation;
   const double turn = wrap_angle(map_from_robot.theta - belief.map_from_robot.theta) / belief.turn_deviation;
-  return -0.5 * (way * way + turn * turn);
+  return -0.5 * (freedom + 3) * std::log1p((way * way + turn * turn) / freedom);
 }
 
 ScanAgreement agreement(const RbpfMap& map, std::span<const Point2> points_in_robot, const Pose2& map_from_robot,
@@ -146,15 +147,17 @@ Pose2 climb(const RbpfMap& map, std::span<const Point2> points_in_robot, const P
 
 namespace {
 
-/// The climb's end; where that explains little of the scan, the best of climbs from poses turned within reason.
+/// The climb's end; where that explains little of the scan, the best of climbs from poses drawn from the motion, each
+/// particle's own: what all of them missed from one start, some find from theirs.
 Pose2 best_pose(const RbpfMap& map, std::span<const Point2> points, const MotionBelief& belief,
-                const RbpfParams& params) {
+                const RbpfParams& params, Rng& rng) {
+  constexpr double widened = 2;  // odometry that misled the first climb is worse than its deviations say
   Pose2 best = climb(map, points, belief.map_from_robot, belief, params);
   if (agreement(map, points, best, params).near >= params.doubt_share) { return best; }
+  const MotionBelief wide{belief.map_from_robot, widened * belief.way_deviation, widened * belief.turn_deviation};
   double value = log_posterior(map, points, belief, best, params);
-  for (const double turns : {-2.0, -1.0, 1.0, 2.0}) {
-    const Pose2 start = belief.map_from_robot * Pose2{0, 0, turns * belief.turn_deviation};
-    const Pose2 pose = climb(map, points, start, belief, params);
+  for (std::uint32_t i = 0; i < params.doubt_starts; ++i) {
+    const Pose2 pose = climb(map, points, draw(wide, rng), belief, params);
     const double there = log_posterior(map, points, belief, pose, params);
     if (there <= value) { continue; }
     value = there;
@@ -167,7 +170,7 @@ Pose2 best_pose(const RbpfMap& map, std::span<const Point2> points, const Motion
 
 Proposal propose(const RbpfMap& map, std::span<const Point2> points_in_robot, const MotionBelief& belief,
                  const RbpfParams& params, Rng& rng) {
-  const Pose2 best = best_pose(map, points_in_robot, belief, params);
+  const Pose2 best = best_pose(map, points_in_robot, belief, params, rng);
   const ScanAgreement found = agreement(map, points_in_robot, best, params);
   if (points_in_robot.empty() || found.near < params.lost_share) {
     const Pose2 pose = draw(belief, rng);

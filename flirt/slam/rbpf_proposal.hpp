@@ -12,7 +12,7 @@
 
 namespace flirt {
 
-/// What is known of a motion before the scan is looked at: a Gaussian around a pose, in its frame.
+/// What is known of a motion before the scan is looked at: a distribution around a pose, in its frame.
 struct MotionBelief {
   Pose2 map_from_robot{};
   double way_deviation{0.1};   ///< m, along and across
@@ -26,7 +26,7 @@ struct MotionBelief {
 [[nodiscard]] MotionBelief belief_from_last_motion(const Pose2& map_from_robot, const Pose2& motion,
                                                    const RbpfParams& params);
 
-/// log p(pose | motion) without its constant.
+/// log p(pose | motion) without its constant: Student's t with 3 degrees of freedom, since wheels slip.
 [[nodiscard]] double log_motion(const MotionBelief& belief, const Pose2& map_from_robot);
 
 /// How a scan agrees with a map: log p(scan | map, pose), by the distances of its end points from occupied cells.

@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <vector>
 
 namespace flirt {
 namespace {
@@ -56,7 +59,7 @@ TEST(RbpfMap, FindsTheNearestMeanEndPointInTheCellsAround) {
       for (std::int32_t j = y - 1; j <= y + 1; ++j) {
         const RbpfCell cell = map.cell({i, j});
         if (!cell.evidence.occupied()) { continue; }
-        least = std::min(least, squared_norm(Point2{0.05 * (i + cell.x), 0.05 * (j + cell.y)} - at));
+        least = std::min(least, squared_norm(Point2{0.05 * (i + double{cell.x}), 0.05 * (j + double{cell.y})} - at));
       }
     }
     const double found = map.squared_distance(at);
