@@ -28,6 +28,7 @@ struct Judge {
   }
   [[nodiscard]] Cells gain(const std::vector<double>& values, const std::vector<double>& standard) const {
     std::vector<double> differences;
+    differences.reserve(values.size());
     for (std::size_t i = 0; i < values.size(); ++i) { differences.push_back(values[i] - standard[i]); }
     return over_queries(differences);
   }

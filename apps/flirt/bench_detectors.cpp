@@ -36,7 +36,7 @@ std::string rule_text(RegionRule rule, double common_radius) {
 Table curves_table(const std::vector<Selection>& selections, std::uint64_t seed) {
   Table table{.name = "repeatability",
               .title = "Repeatability under every condition",
-              .header = {"scales", "regions", "detector", "transform", "level", "repeatability", "repeatability_low",
+              .header = {"selection", "regions", "detector", "transform", "level", "repeatability", "repeatability_low",
                          "repeatability_high", "locations", "scan_pairs", "keypoints", "present", "corresponding"}};
   for (const auto& [name, bench] : selections) {
     for (const RegionRule rule : rules) {
@@ -69,7 +69,7 @@ double keypoints_per_scan(const DetectorBench& bench, std::size_t variant, ScanT
 Table summary_table(const std::vector<Selection>& selections, std::uint64_t seed) {
   Table table{.name = "summary",
               .title = "Mean over the levels; curvature's lead at the same locations",
-              .header = {"scales", "regions", "transform", "detector", "repeatability", "repeatability_low",
+              .header = {"selection", "regions", "transform", "detector", "repeatability", "repeatability_low",
                          "repeatability_high", "curvature_leads_by", "curvature_leads_by_low",
                          "curvature_leads_by_high", "locations", "keypoints_a_scan"}};
   for (const auto& [name, bench] : selections) {
@@ -153,8 +153,10 @@ std::string introduction(const Options& options, const ReferenceLocations& refer
       "overlap "
       "error is below {}; a place is present when its modified Hausdorff distance is below {} m. Shaded: 95 % "
       "bootstrap "
-      "intervals over locations. “One a place”: detections within 0.2 m of one of a finer scale are dropped. “Chance”: "
-      "the points of curvature (of range) with their regions, but at random hits.",
+      "intervals over locations. “As printed”: every detection of every scale counts. “Default”: detections at a jump "
+      "of "
+      "the range move to the nearer beam, and those within 0.2 m of one of a finer scale are dropped. “Chance”: the "
+      "points of curvature (of range) with their regions, but at random hits.",
       reference.locations.size(), reference.logs.size(), options.bench.repeatability.overlap_error,
       options.bench.repeatability.presence);
 }
@@ -167,7 +169,7 @@ void write_all(const Options& options, const Session& session, const ReferenceLo
   for (const Selection& selection : selections) {
     for (const RegionRule rule : rules) {
       const std::string drawing = svg::to_svg(figure(selection, rule, options, session.seed));
-      const std::string name = selection.name == "all scales" ? "all-scales" : "one-a-place";
+      const std::string name = selection.name == "default" ? "default" : "as-printed";
       value_or_quit(
           write_file_atomically(out / fmt::format("repeatability-{}-{}.svg", name, to_string(rule)), drawing));
       page.figure(drawing, selection.name + ", " + rule_text(rule, options.bench.common_radius));
@@ -187,8 +189,8 @@ int run(Options& options, const Session& session) {
     return Selection{label, bench_detectors(reference.logs, reference.locations, variants, options.bench,
                                             session.threads, progress_bar(session, label))};
   };
-  const std::vector<Selection> selections{bench(paper_detectors(), "one a place"),
-                                          bench(paper_detectors_of_all_scales(), "all scales")};
+  const std::vector<Selection> selections{bench(detectors_as_printed(), "as printed"),
+                                          bench(default_detectors(), "default")};
   const Table curves = curves_table(selections, session.seed);
   const Table summary = summary_table(selections, session.seed);
   const nlohmann::ordered_json json = bench_json(options, session, reference, curves, summary);

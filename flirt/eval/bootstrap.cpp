@@ -31,6 +31,7 @@ Mean bootstrap_mean(std::span<const double> values, std::uint64_t seed, std::siz
 Mean bootstrap_difference(std::span<const double> a, std::span<const double> b, std::uint64_t seed, std::size_t draws) {
   FLIRT_ASSERT(a.size() == b.size());
   std::vector<double> differences;
+  differences.reserve(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) { differences.push_back(a[i] - b[i]); }
   return bootstrap_mean(differences, seed, draws);
 }

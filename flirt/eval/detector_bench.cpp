@@ -83,16 +83,21 @@ double score_of(const RepeatabilityCounts& counts) {
 
 }  // namespace
 
-std::vector<DetectorVariant> paper_detectors() {
+std::vector<DetectorVariant> default_detectors() {
   return {{"curvature", CurvatureParams{}},    {"range", RangeParams{}}, {"normal-edge", NormalEdgeParams{}},
           {"normal-blob", NormalBlobParams{}}, {"chance", std::nullopt}, {"chance, as range", std::nullopt, 1}};
 }
 
-std::vector<DetectorVariant> paper_detectors_of_all_scales() {
-  std::vector<DetectorVariant> variants = paper_detectors();
+std::vector<DetectorVariant> detectors_as_printed() {
+  std::vector<DetectorVariant> variants = default_detectors();
   for (DetectorVariant& variant : variants) {
     if (variant.params) {
-      std::visit([](auto& params) { params.selection.duplicate_radius = 0; }, *variant.params);
+      std::visit(
+          [](auto& params) {
+            params.selection.duplicate_radius = 0;
+            params.selection.foreground_shift = false;
+          },
+          *variant.params);
     }
   }
   return variants;
@@ -105,6 +110,7 @@ DetectorBench bench_detectors(std::span<const ScanLog> logs, std::span<const Loc
       .locations = {locations.begin(), locations.end()}, .conditions = params.conditions, .variants = variants};
   bench.counts.resize(variants.size() * region_rule_count * params.conditions.size() * locations.size());
   std::vector<Detectors> detectors;
+  detectors.reserve(thread_count(threads));
   for (std::size_t t = 0; t < thread_count(threads); ++t) { detectors.emplace_back(variants); }
   parallel_for(
       locations.size(), threads,
@@ -118,6 +124,7 @@ DetectorBench bench_detectors(std::span<const ScanLog> logs, std::span<const Loc
 std::vector<double> location_scores(const DetectorBench& bench, std::size_t variant, RegionRule rule,
                                     std::size_t condition) {
   std::vector<double> scores;
+  scores.reserve(bench.locations.size());
   for (std::size_t l = 0; l < bench.locations.size(); ++l) {
     scores.push_back(score_of(bench.counts[bench.index(variant, rule, condition, l)]));
   }

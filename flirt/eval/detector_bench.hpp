@@ -24,9 +24,9 @@ struct DetectorVariant {
 };
 
 /// The papers' four with their default parameters, and chance with as many points as curvature and as range have.
-[[nodiscard]] std::vector<DetectorVariant> paper_detectors();
-/// The same with every detection of every scale: no suppression of duplicates, as in the papers.
-[[nodiscard]] std::vector<DetectorVariant> paper_detectors_of_all_scales();
+[[nodiscard]] std::vector<DetectorVariant> default_detectors();
+/// The same as the papers print them: every detection of every scale is an interest point, and stays where it is.
+[[nodiscard]] std::vector<DetectorVariant> detectors_as_printed();
 
 struct DetectorBenchParams {
   TransformParams transforms{};

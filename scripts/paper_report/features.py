@@ -82,11 +82,12 @@ def detectors(report, program, size, logs) -> None:
     report.paragraph(published.DETECTOR_CLAIM)
     folder, result = bench(program, "detectors", "detectors", logs.corrected, *location_flags(size.locations, size.partners))
     report.paragraph(f"{result['locations']} reference locations (detectors/locations.csv), overlap error {result['overlap_error']}, presence "
-                     f"{result['presence_m']} m. “One a place”: the program's default, detections within 0.2 m of one of a finer scale are "
-                     "dropped; “all scales” keeps them, as the papers do. “Native”: every detector's own support regions; “common”: discs of "
+                     f"{result['presence_m']} m. “As printed”: every detection of every scale is an interest point, as "
+                     "in the papers. “Default”: the program's; detections at a jump of the range move to the nearer beam, and those within "
+                     "0.2 m of one of a finer scale are dropped. “Native”: every detector's own support regions; “common”: discs of "
                      "0.5 m for all, so that large regions do not overlap more easily. “Chance”: the points of curvature (or of range) with "
                      "their regions, but each on a random hit: what a score is worth begins there.")
-    for selection in ("all-scales", "one-a-place"):
+    for selection in ("as-printed", "default"):
         for rule in ("native", "common"):
             report.svg(folder / f"repeatability-{selection}-{rule}.svg", f"{selection.replace('-', ' ')}, {rule} regions; shaded: 95 % over locations.")
     detector_tables(report, "detectors", result)
@@ -98,11 +99,11 @@ def detectors(report, program, size, logs) -> None:
 
 def detector_tables(report, name, result) -> None:
     def row(entry):
-        return [entry["scales"], entry["regions"], entry["transform"], entry["detector"],
+        return [entry["selection"], entry["regions"], entry["transform"], entry["detector"],
                 with_interval(entry["repeatability"], (entry["repeatability_low"], entry["repeatability_high"])),
                 with_interval(entry["curvature_leads_by"], (entry["curvature_leads_by_low"], entry["curvature_leads_by_high"])),
                 f"{entry['keypoints_a_scan']:.1f}", entry["locations"]]
-    report.table(f"{name}-summary", ["scales", "regions", "transform", "detector", "repeatability, mean of the levels [95 %]",
+    report.table(f"{name}-summary", ["selection", "regions", "transform", "detector", "repeatability, mean of the levels [95 %]",
                                      "curvature leads by [95 %]", "keypoints a scan", "locations"], [row(entry) for entry in result["summary"]])
 
 

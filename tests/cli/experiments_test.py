@@ -52,9 +52,9 @@ class Experiments(unittest.TestCase):
             self.assertLessEqual(entry["corresponding"], entry["present"])
         self.assertEqual({row["detector"] for row in rows}, {"curvature", "range", "normal-edge", "normal-blob", "chance", "chance, as range"})
         self.assertEqual(len(self.rows(out / "locations.csv")), 3)
-        for scales in ("one-a-place", "all-scales"):
+        for selection in ("as-printed", "default"):
             for rule in ("native", "common"):
-                self.assertIn("<svg", (out / f"repeatability-{scales}-{rule}.svg").read_text())
+                self.assertIn("<svg", (out / f"repeatability-{selection}-{rule}.svg").read_text())
         self.assertIn("<svg", (out / "report.html").read_text())
         for entry in result["repeatability"]:
             if entry["transform"] == "noise" and entry["level"] == 0 and not entry["detector"].startswith("chance"):

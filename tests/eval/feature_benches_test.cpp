@@ -39,7 +39,7 @@ DetectorBenchParams detector_params() {
 
 TEST(DetectorBench, FindsEverythingAgainInAnUnchangedScan) {
   const auto logs = room_logs();
-  const DetectorBench bench = bench_detectors(logs, locations, paper_detectors(), detector_params(), 1);
+  const DetectorBench bench = bench_detectors(logs, locations, default_detectors(), detector_params(), 1);
   for (std::size_t v = 0; v < 4; ++v) {
     for (const double score : location_scores(bench, v, RegionRule::common, std::size_t{0})) { EXPECT_EQ(score, 1.0); }
   }
@@ -50,8 +50,8 @@ TEST(DetectorBench, FindsEverythingAgainInAnUnchangedScan) {
 
 TEST(DetectorBench, IsTheSameOnSeveralThreads) {
   const auto logs = room_logs();
-  const DetectorBench one = bench_detectors(logs, locations, paper_detectors(), detector_params(), 1);
-  const DetectorBench three = bench_detectors(logs, locations, paper_detectors(), detector_params(), 3);
+  const DetectorBench one = bench_detectors(logs, locations, default_detectors(), detector_params(), 1);
+  const DetectorBench three = bench_detectors(logs, locations, default_detectors(), detector_params(), 3);
   for (std::size_t v = 0; v < one.variants.size(); ++v) {
     for (std::size_t c = 0; c < conditions.size(); ++c) {
       const auto a = total(one, v, RegionRule::native, c);
