@@ -1,6 +1,7 @@
 #include "flirt/eval/localization.hpp"
 
 #include "flirt/core/assert.hpp"
+#include "flirt/eval/bootstrap.hpp"
 #include "flirt/registration/join_scans.hpp"
 
 #include <algorithm>
@@ -103,14 +104,13 @@ std::vector<std::uint32_t> bootstrap_blocks(const ScanLog& log, std::span<const 
 /// Interval of the share of `hit` among `counted`, one entry per query.
 template <class Counted, class Hit>
 Interval bootstrap(std::span<const std::uint32_t> blocks, const Counted& counted, const Hit& hit, std::uint64_t seed) {
-  const auto count = static_cast<std::uint32_t>(blocks.size());  // a size that GCC 12 knows to be sane
-  const auto counted_flags = std::make_unique<bool[]>(count);
-  const auto hit_flags = std::make_unique<bool[]>(count);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    counted_flags[i] = counted(i);
-    hit_flags[i] = hit(i);
+  std::vector<double> values;
+  values.reserve(blocks.size());
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    values.push_back(!counted(i) ? std::numeric_limits<double>::quiet_NaN() : hit(i) ? 1.0 : 0.0);
   }
-  return block_bootstrap(blocks, {counted_flags.get(), blocks.size()}, {hit_flags.get(), blocks.size()}, seed);
+  const Mean share = block_bootstrap_mean(blocks, values, seed);
+  return share.cases == 0 ? Interval{0, 1} : share.interval;
 }
 
 StrategyCurve strategy_curve(std::span<const Outcome> outcomes, std::size_t s, std::span<const std::uint32_t> blocks,

@@ -1,9 +1,10 @@
 #include "flirt/eval/localization_ablation.hpp"
 
 #include "flirt/core/assert.hpp"
+#include "flirt/eval/bootstrap.hpp"
 
 #include <cstdint>
-#include <memory>
+#include <limits>
 
 namespace flirt {
 namespace {
@@ -66,33 +67,35 @@ void add_score_variants(const LocalizeParams& full, std::vector<LocalizationVari
       [](LocalizeParams& params) { params.verdict.margin = 0; });
 }
 
-/// Flags of one kind of all answers, as the statistics want them.
-template <class Flag>
-std::unique_ptr<bool[]> flags(std::span<const LocalizationAnswer> answers, const Flag& flag) {
-  const auto count = static_cast<std::uint32_t>(answers.size());  // a size that GCC 12 knows to be sane
-  auto result = std::make_unique<bool[]>(count);
-  for (std::uint32_t i = 0; i < count; ++i) { result[i] = flag(answers[i]); }
-  return result;
+/// 1 for each right answer, 0 for each wrong one, NaN where `full` shows that the query can't be answered.
+std::vector<double> right_answers(const LocalizationBench& bench, const LocalizationBench& full) {
+  std::vector<double> right;
+  right.reserve(bench.answers.size());
+  for (std::size_t i = 0; i < bench.answers.size(); ++i) {
+    right.push_back(!full.answers[i].answerable ? std::numeric_limits<double>::quiet_NaN()
+                    : bench.answers[i].correct  ? 1.0
+                                                : 0.0);
+  }
+  return right;
 }
 
 LocalizationVariantRow row_of(const LocalizationVariant& variant, const LocalizationBench& bench,
                               const LocalizationBench& full, std::uint64_t seed) {
   FLIRT_ASSERT(bench.revisit && bench.answers.size() == full.answers.size());
-  const std::size_t n = bench.answers.size();
-  const auto is_correct = [](const LocalizationAnswer& answer) { return answer.correct; };
-  const auto counted = flags(full.answers, [](const LocalizationAnswer& answer) { return answer.answerable; });
-  const auto first = flags(full.answers, is_correct);
-  const auto second = flags(bench.answers, is_correct);
+  const std::vector<double> first = right_answers(full, full);
+  const std::vector<double> second = right_answers(bench, full);
+  std::vector<double> gain;
+  gain.reserve(first.size());
+  for (std::size_t i = 0; i < first.size(); ++i) { gain.push_back(second[i] - first[i]); }
   const RevisitSummary& summary = *bench.revisit;
-  return {
-      .name = variant.name,
-      .meaning = variant.meaning,
-      .success = summary.success,
-      .recall_at_99 = recall_at_precision(summary.curve, 0.99),
-      .unique_found = summary.unique_found.value(),
-      .query_median_us = bench.times.per_query_median,
-      .from_full = disagreements({counted.get(), n}, {first.get(), n}, {second.get(), n}),
-      .difference = paired_block_bootstrap(full.blocks, {counted.get(), n}, {first.get(), n}, {second.get(), n}, seed)};
+  return {.name = variant.name,
+          .meaning = variant.meaning,
+          .success = summary.success,
+          .recall_at_99 = recall_at_precision(summary.curve, 0.99),
+          .unique_found = summary.unique_found.value(),
+          .query_median_us = bench.times.per_query_median,
+          .from_full = disagreements(first, second),
+          .difference = block_bootstrap_mean(full.blocks, gain, seed).interval};
 }
 
 }  // namespace

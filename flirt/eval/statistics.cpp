@@ -1,49 +1,11 @@
 #include "flirt/eval/statistics.hpp"
 
 #include "flirt/core/assert.hpp"
-#include "flirt/core/rng.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace flirt {
-namespace {
-
-/// Percentile interval of the mean of value(i) over the counted cases, by blocks; low > high when none is counted.
-template <class Value>
-Interval bootstrap_mean(std::span<const std::uint32_t> block, std::span<const bool> counted, std::uint64_t seed,
-                        std::size_t draws, const Value& value) {
-  struct Counts {
-    std::ptrdiff_t sum{0};
-    std::ptrdiff_t total{0};
-  };
-  std::vector<Counts> blocks;
-  for (std::size_t i = 0; i < block.size(); ++i) {
-    if (!counted[i]) { continue; }
-    blocks.resize(std::max<std::size_t>(blocks.size(), block[i] + 1));
-    ++blocks[block[i]].total;
-    blocks[block[i]].sum += value(i);
-  }
-  std::erase_if(blocks, [](const Counts& counts) { return counts.total == 0; });
-  if (blocks.empty()) { return {1, 0}; }
-
-  Rng rng(seed);
-  std::vector<double> means;
-  means.reserve(draws);
-  for (std::size_t draw = 0; draw < draws; ++draw) {
-    Counts drawn;
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-      const Counts& picked = blocks[rng.below(static_cast<std::uint32_t>(blocks.size()))];
-      drawn.sum += picked.sum;
-      drawn.total += picked.total;
-    }
-    means.push_back(static_cast<double>(drawn.sum) / static_cast<double>(drawn.total));
-  }
-  return {quantile(means, 0.025), quantile(means, 0.975)};
-}
-
-}  // namespace
-
 Interval Rate::wilson() const {
   if (total == 0) { return {0, 1}; }
   constexpr double z = 1.959963984540054;
@@ -54,29 +16,12 @@ Interval Rate::wilson() const {
   return {std::max(0.0, centre - half), std::min(1.0, centre + half)};
 }
 
-Interval block_bootstrap(std::span<const std::uint32_t> block, std::span<const bool> counted, std::span<const bool> hit,
-                         std::uint64_t seed, std::size_t draws) {
-  FLIRT_ASSERT(block.size() == counted.size() && block.size() == hit.size());
-  const Interval interval = bootstrap_mean(block, counted, seed, draws, [&](std::size_t i) { return hit[i] ? 1 : 0; });
-  return interval.low > interval.high ? Interval{0, 1} : interval;
-}
-
-Interval paired_block_bootstrap(std::span<const std::uint32_t> block, std::span<const bool> counted,
-                                std::span<const bool> first, std::span<const bool> second, std::uint64_t seed,
-                                std::size_t draws) {
-  FLIRT_ASSERT(block.size() == counted.size() && block.size() == first.size() && block.size() == second.size());
-  const Interval interval = bootstrap_mean(block, counted, seed, draws,
-                                           [&](std::size_t i) { return (second[i] ? 1 : 0) - (first[i] ? 1 : 0); });
-  return interval.low > interval.high ? Interval{-1, 1} : interval;
-}
-
-Disagreements disagreements(std::span<const bool> counted, std::span<const bool> first, std::span<const bool> second) {
-  FLIRT_ASSERT(counted.size() == first.size() && counted.size() == second.size());
+Disagreements disagreements(std::span<const double> first, std::span<const double> second) {
+  FLIRT_ASSERT(first.size() == second.size());
   Disagreements result;
-  for (std::size_t i = 0; i < counted.size(); ++i) {
-    if (!counted[i]) { continue; }
-    result.only_first += first[i] && !second[i] ? 1 : 0;
-    result.only_second += second[i] && !first[i] ? 1 : 0;
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    result.only_first += first[i] > second[i] ? 1 : 0;
+    result.only_second += second[i] > first[i] ? 1 : 0;
   }
   return result;
 }

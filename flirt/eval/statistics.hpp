@@ -24,12 +24,6 @@ struct Rate {
   [[nodiscard]] Interval wilson() const;
 };
 
-/// 95 % percentile interval of a share by block bootstrap: neighbouring scans are not independent, so whole blocks of
-/// trajectory are drawn with replacement. block[i] numbers the block of case i (0, 1, …); counted[i] says whether case
-/// i is in the denominator, hit[i] whether it is in the numerator. O(draws · blocks).
-[[nodiscard]] Interval block_bootstrap(std::span<const std::uint32_t> block, std::span<const bool> counted,
-                                       std::span<const bool> hit, std::uint64_t seed, std::size_t draws = 1000);
-
 /// Two methods on the same cases, counted where they disagree.
 struct Disagreements {
   std::size_t only_first{0};   ///< cases that only the first got right
@@ -40,14 +34,8 @@ struct Disagreements {
   [[nodiscard]] double p_value() const;
 };
 
-/// Over the cases that are counted.
-[[nodiscard]] Disagreements disagreements(std::span<const bool> counted, std::span<const bool> first,
-                                          std::span<const bool> second);
-
-/// 95 % percentile interval of second's share less first's, both in the same drawn blocks; else as block_bootstrap.
-[[nodiscard]] Interval paired_block_bootstrap(std::span<const std::uint32_t> block, std::span<const bool> counted,
-                                              std::span<const bool> first, std::span<const bool> second,
-                                              std::uint64_t seed, std::size_t draws = 1000);
+/// first[i] and second[i] are 1 where the method got case i right, 0 where not; NaN: the case does not count.
+[[nodiscard]] Disagreements disagreements(std::span<const double> first, std::span<const double> second);
 
 /// One query's answer, as a sweep over the confidence sees it.
 struct ScoredAnswer {

@@ -64,6 +64,24 @@ TEST(BlockBootstrapMean, IsWiderWhenNeighboursAgree) {
   EXPECT_GT(blocks.high - blocks.low, 2 * (cases.high - cases.low));
 }
 
+TEST(BlockBootstrapMean, OfDifferencesSeesWhatTheSpreadOfTheSharesHides) {
+  // Blocks are all right or all wrong by the first; the second loses the last case of each block that was right.
+  std::vector<double> first;
+  std::vector<double> gain;
+  std::vector<std::uint32_t> block;
+  for (std::uint32_t i = 0; i < 400; ++i) {
+    first.push_back((i / 10) % 2 == 0 ? 1 : 0);
+    gain.push_back(first.back() == 1 && i % 10 == 9 ? -1 : 0);
+    block.push_back(i / 10);
+  }
+  const Interval alone = block_bootstrap_mean(block, first, 1).interval;
+  const Interval paired = block_bootstrap_mean(block, gain, 1).interval;
+  EXPECT_LT(paired.high, 0);
+  EXPECT_LT(paired.low, -0.05);
+  EXPECT_GT(paired.low, -0.1);
+  EXPECT_GT(alone.high - alone.low, 4 * (paired.high - paired.low));
+}
+
 TEST(BootstrapDraws, AreTheSameForEveryoneWhoAsks) {
   const auto draws = bootstrap_draws(5, 3, 9);
   ASSERT_EQ(draws.size(), 3U);

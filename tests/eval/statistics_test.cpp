@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
-#include <memory>
+#include <limits>
 #include <vector>
 
 namespace flirt {
@@ -28,24 +27,6 @@ TEST(Rate, NothingOfNothingSaysNothing) {
   EXPECT_EQ(Rate{}.wilson().high, 1);
 }
 
-TEST(BlockBootstrap, IsWiderWhenCasesOfABlockAgree) {
-  constexpr std::size_t n = 1000;
-  const auto hit = std::make_unique<bool[]>(n);
-  const auto counted = std::make_unique<bool[]>(n);
-  std::vector<std::uint32_t> small(n);
-  std::vector<std::uint32_t> large(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    counted[i] = true;
-    hit[i] = (i / 100) % 2 == 0;
-    small[i] = static_cast<std::uint32_t>(i);
-    large[i] = static_cast<std::uint32_t>(i / 100);
-  }
-  const Interval independent = block_bootstrap(small, {counted.get(), n}, {hit.get(), n}, 1);
-  const Interval blocked = block_bootstrap(large, {counted.get(), n}, {hit.get(), n}, 1);
-  EXPECT_NEAR(independent.high - independent.low, 2 * 1.96 * 0.5 / 31.6, 0.01);
-  EXPECT_GT(blocked.high - blocked.low, 5 * (independent.high - independent.low));
-}
-
 TEST(McNemar, IsTheExactChanceOfAnUnevenCoin) {
   // Ten disagreements, two of them for the second: 2 · (1 + 10 + 45) / 1024.
   EXPECT_NEAR((Disagreements{8, 2}.p_value()), 112.0 / 1024, 1e-12);
@@ -67,40 +48,12 @@ TEST(McNemar, HoldsForThousandsOfDisagreements) {
 }
 
 TEST(McNemar, CountsOnlyCasesThatCount) {
-  constexpr std::array counted{true, true, true, false, true};
-  constexpr std::array first{true, true, false, true, true};
-  constexpr std::array second{true, false, true, false, false};
-  const Disagreements found = disagreements(counted, first, second);
+  constexpr double no_case = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double> first{1, 1, 0, no_case, 1};
+  const std::vector<double> second{1, 0, 1, no_case, 0};
+  const Disagreements found = disagreements(first, second);
   EXPECT_EQ(found.only_first, 2U);
   EXPECT_EQ(found.only_second, 1U);
-}
-
-TEST(PairedBlockBootstrap, SeesADifferenceThatTheSpreadOfTheSharesHides) {
-  // Blocks are all right or all wrong by the first; the second loses the last case of each block that was right.
-  constexpr std::size_t n = 400;
-  const auto counted = std::make_unique<bool[]>(n);
-  const auto first = std::make_unique<bool[]>(n);
-  const auto second = std::make_unique<bool[]>(n);
-  std::vector<std::uint32_t> block(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    counted[i] = true;
-    first[i] = (i / 10) % 2 == 0;
-    second[i] = first[i] && i % 10 != 9;
-    block[i] = static_cast<std::uint32_t>(i / 10);
-  }
-  const Interval alone = block_bootstrap(block, {counted.get(), n}, {first.get(), n}, 1);
-  const Interval paired = paired_block_bootstrap(block, {counted.get(), n}, {first.get(), n}, {second.get(), n}, 1);
-  EXPECT_LT(paired.high, 0);
-  EXPECT_LT(paired.low, -0.05);
-  EXPECT_GT(paired.low, -0.1);
-  EXPECT_GT(alone.high - alone.low, 4 * (paired.high - paired.low));
-}
-
-TEST(PairedBlockBootstrap, KnowsNothingWithoutCases) {
-  constexpr std::array none{false};
-  const std::vector<std::uint32_t> block{0};
-  EXPECT_EQ(paired_block_bootstrap(block, none, none, none, 1).low, -1);
-  EXPECT_EQ(paired_block_bootstrap(block, none, none, none, 1).high, 1);
 }
 
 TEST(PrecisionRecall, SweepsFromTheMostConfidentAnswerDown) {
