@@ -117,9 +117,9 @@ SlamRun map_log(const Options& options, const ScanLog& log, const EarlierMap& ea
     if (progress) { progress(static_cast<double>(i + 1) / static_cast<double>(log.scans.size())); }
   }
   if (!earlier.scans.empty()) {
+    run.earlier_scans = earlier.scans.size();
     run.join = slam.join(earlier.scans, earlier.graph);
     if (run.join->agreeing == 0) { return run; }
-    run.earlier_scans = earlier.scans.size();
   }
   slam.finish();
   run.graph = slam.graph();
@@ -174,6 +174,9 @@ ScanLog with_earlier(EarlierMap earlier, ScanLog log) {
 int run(Options& options, const Session& session) {
   options.params.resolve(session.config);
   apply_short_flags(options);
+  if (!options.resume.empty() && options.slam.window > 0) {
+    throw UsageError("slam: --resume: expected no --window, which keeps no map to join");
+  }
   LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
   loaded.log = every_kth(std::move(loaded.log), options.every);
   EarlierMap earlier;

@@ -56,7 +56,7 @@ class BenchSlam(unittest.TestCase):
         with (self.out / "runs.csv").open() as file:
             self.assertEqual(len(list(csv.DictReader(file))), 6)
         report = (self.out / "report.html").read_text()
-        self.assertEqual(report.count("<svg"), 6)
+        self.assertEqual(report.count("<figure>"), 6)
         scans = json.loads((self.out / "summary.json").read_text())["logs"][0]["scans"]
         for name in ("small-scan.tum", "small-rbpf.tum", "small-scan-no-odometry.tum"):
             self.assertEqual(len((self.out / name).read_text().splitlines()), scans)

@@ -55,7 +55,7 @@ class Reproduce(unittest.TestCase):
         self.assertIn("No real logs were given", text)
         for experiment in ("P1 Fig. 1–4", "P2 Fig. 6", "P2 Fig. 7", "P2 Fig. 8, Table I", "P1 Fig. 6", "P1 Fig. 7", "P1 Table 2", "P1 Fig. 9"):
             self.assertIn(experiment, text)
-        for name in ("figure-2", "detectors-summary", "descriptors", "table-1", "table-2", "crowds"):
+        for name in ("figure-2", "detectors-summary", "descriptors", "table-1", "table-2", "bench-slam", "crowds"):
             self.assertEqual(len(self.rows(out / "tables" / f"{name}.csv")), len(json.loads((out / "tables" / f"{name}.json").read_text())))
         figure_2 = self.rows(out / "tables" / "figure-2.csv")
         self.assertEqual([row["here: found on scales"] for row in figure_2], ["5", "1, 2, 3, 4, 5", "1, 2, 3, 4, 5", "1, 2", "none"])
