@@ -32,28 +32,95 @@ Extent extent_of(const GreyImage& image, const GridMapMetadata& metadata) {
   return extent;
 }
 
-/// Asks an image by places in the map, in pixels from its lower left corner.
-class PixelStates {
- public:
-  PixelStates(const GreyImage& image, const GridMapMetadata& metadata) : image_(image) {
-    for (std::size_t pixel = 0; pixel < state_of_.size(); ++pixel) {
-      state_of_[pixel] = cell_state(static_cast<std::uint8_t>(pixel), metadata);
-    }
+constexpr std::uint8_t deepest = 3;  // pixels between free space and a surface that is still taken to bound it
+
+/// What the pixels of an image are, row by row from the top.
+struct PixelStates {
+  std::int32_t width{0};
+  std::int32_t height{0};
+  std::vector<CellState> states;
+
+  /// Outside everything is unknown.
+  [[nodiscard]] CellState at(std::int32_t column, std::int32_t row) const {
+    return contains(column, row) ? states[offset(column, row)] : CellState::unknown;
   }
+  /// By a place in pixels from the lower left corner.
   [[nodiscard]] CellState at(Point2 in_pixels) const {
-    const double column = std::floor(in_pixels.x);
-    const double row = std::floor(in_pixels.y);
-    const auto height = static_cast<double>(image_.height);
-    if (column < 0 || row < 0 || column >= static_cast<double>(image_.width) || row >= height) {
+    if (!(in_pixels.x >= 0 && in_pixels.y >= 0 && in_pixels.x < width && in_pixels.y < height)) {
       return CellState::unknown;
     }
-    return state_of_[image_.at(static_cast<std::size_t>(column), static_cast<std::size_t>(height - 1 - row))];
+    return states[offset(static_cast<std::int32_t>(in_pixels.x), height - 1 - static_cast<std::int32_t>(in_pixels.y))];
   }
-
- private:
-  const GreyImage& image_;
-  std::array<CellState, 256> state_of_{};
+  [[nodiscard]] bool contains(std::int32_t column, std::int32_t row) const {
+    return column >= 0 && row >= 0 && column < width && row < height;
+  }
+  [[nodiscard]] std::size_t offset(std::int32_t column, std::int32_t row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
+  }
 };
+
+PixelStates pixel_states(const GreyImage& image, const GridMapMetadata& metadata) {
+  std::array<CellState, 256> state_of{};
+  for (std::size_t value = 0; value < state_of.size(); ++value) {
+    state_of[value] = cell_state(static_cast<std::uint8_t>(value), metadata);
+  }
+  PixelStates pixels{static_cast<std::int32_t>(image.width), static_cast<std::int32_t>(image.height), {}};
+  pixels.states.reserve(image.pixels.size());
+  for (const std::uint8_t value : image.pixels) { pixels.states.push_back(state_of[value]); }
+  return pixels;
+}
+
+/// Steps from each pixel to the nearest free one, diagonal ones counted as one; at most `deepest` + 1. Two passes.
+std::vector<std::uint8_t> steps_to_free(const PixelStates& pixels) {
+  std::vector<std::uint8_t> steps(pixels.states.size(), deepest + 1);
+  const auto come_from = [&](std::int32_t column, std::int32_t row, std::int32_t right, std::int32_t down) {
+    if (!pixels.contains(column + right, row + down)) { return; }
+    std::uint8_t& here = steps[pixels.offset(column, row)];
+    const int there = steps[pixels.offset(column + right, row + down)];
+    here = static_cast<std::uint8_t>(std::min<int>(here, there + 1));
+  };
+  const auto pass = [&](std::int32_t column, std::int32_t row, std::int32_t before) {
+    if (pixels.at(column, row) == CellState::free) { steps[pixels.offset(column, row)] = 0; }
+    come_from(column, row, before, 0);
+    for (const std::int32_t right : {-1, 0, 1}) { come_from(column, row, right, before); }
+  };
+  for (std::int32_t row = 0; row < pixels.height; ++row) {
+    for (std::int32_t column = 0; column < pixels.width; ++column) { pass(column, row, -1); }
+  }
+  for (std::int32_t row = pixels.height - 1; row >= 0; --row) {
+    for (std::int32_t column = pixels.width - 1; column >= 0; --column) { pass(column, row, 1); }
+  }
+  return steps;
+}
+
+/// Whether no beam can end on an occupied pixel: one beside it lies nearer to free space, or only occupied ones do.
+bool is_hidden(const PixelStates& pixels, const std::vector<std::uint8_t>& steps, std::int32_t column,
+               std::int32_t row) {
+  const std::uint8_t own = steps[pixels.offset(column, row)];
+  if (own == 1) { return false; }
+  bool buried = true;
+  for (std::int32_t y = row - 1; y <= row + 1; ++y) {
+    for (std::int32_t x = column - 1; x <= column + 1; ++x) {
+      const bool occupied = pixels.at(x, y) == CellState::occupied;
+      if (occupied && steps[pixels.offset(x, y)] < own) { return true; }
+      buried &= occupied;
+    }
+  }
+  return buried;
+}
+
+/// What lies behind the surface of thick walls becomes unknown, as it is in a map that scans have made.
+PixelStates surfaces_of(const PixelStates& pixels) {
+  const std::vector<std::uint8_t> steps = steps_to_free(pixels);
+  PixelStates surfaces = pixels;
+  for (std::int32_t row = 0; row < pixels.height; ++row) {
+    for (std::int32_t column = 0; column < pixels.width; ++column) {
+      CellState& state = surfaces.states[pixels.offset(column, row)];
+      if (state == CellState::occupied && is_hidden(pixels, steps, column, row)) { state = CellState::unknown; }
+    }
+  }
+  return surfaces;
+}
 
 struct CellSample {
   CellState state;
@@ -99,7 +166,7 @@ Result<GridCells> grid_cells(const GreyImage& image, const GridMapMetadata& meta
   cells.states.resize(count);
   cells.occupied_share.resize(count);
 
-  const PixelStates pixels(image, metadata);
+  const PixelStates pixels = surfaces_of(pixel_states(image, metadata));
   const Pose2 image_from_map = inverse(metadata.origin);
   const auto in_pixels = [&](double x, double y) {
     return (1 / metadata.resolution) * (image_from_map * Point2{x * cell_size, y * cell_size});

@@ -33,9 +33,11 @@ struct GridCells {
   }
 };
 
-/// A cell is occupied when anything in it is, free when most of it is, else unknown. By sample points inside each cell,
+/// A cell is occupied when anything in it is, free when most of it is, else unknown. Of walls thicker than a pixel only
+/// the surface counts, the pixels beside free space: no scan ends behind it, but would be drawn onto the middle of all
+/// that is occupied. By sample points inside each cell,
 /// 4 × 4 or as many as it takes to meet every smaller pixel. Errors: pixels smaller than 1 mm, more than 1 km² of
-/// cells, or more than 1000 km from the origin. O(cells · samples).
+/// cells, or more than 1000 km from the origin. O(pixels + cells · samples).
 [[nodiscard]] Result<GridCells> grid_cells(const GreyImage& image, const GridMapMetadata& metadata, double cell_size);
 
 /// Hits `counts` · share of its area (at least 2, so that it is solid) for an occupied cell, `counts` passes for a free

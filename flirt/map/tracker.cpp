@@ -2,6 +2,7 @@
 
 #include "flirt/core/assert.hpp"
 #include "flirt/core/parallel.hpp"
+#include "flirt/map/seen_motion.hpp"
 #include "flirt/registration/join_scans.hpp"
 
 #include <algorithm>
@@ -46,6 +47,41 @@ void Tracker::remember(const Scan& scan) {
   last_scans_.push_back(scan);
   // The last two at least: their odometry is the motion.
   if (last_scans_.size() > std::max<std::size_t>(2, params_.join_scans)) { last_scans_.erase(last_scans_.begin()); }
+}
+
+/// Without odometry the robot is taken to have moved, from each place that is followed, to where its scan fits best
+/// near it. A quarter of the particles only spread, for where that is wrong; so do those at no place, and of `uniform`
+/// all.
+void Tracker::move(const std::optional<Pose2>& motion, const MapFields& fields, const ScanPoints& points,
+                   const Pose2& robot_from_sensor) {
+  constexpr std::size_t most_followed = 3;
+  constexpr std::size_t spread_every = 4;
+  if (motion || params_.initialisation == TrackInitialisation::uniform || points.size() == 0) {
+    return move_particles(particles_, motion, params_.motion, rng_);
+  }
+  const MotionReach reach{3 * params_.motion.blind_translation, 3 * params_.motion.blind_rotation};
+  std::vector<Particle> moved;
+  std::vector<Particle> left = std::move(particles_);
+  for (const TrackCluster& place :
+       clusters_of(left, params_.cluster_distance, params_.cluster_heading, most_followed)) {
+    const auto seen =
+        seen_motion(fields, points, place.map_from_robot, robot_from_sensor, reach, params_.localize.search);
+    if (!seen) { continue; }
+    std::vector<Particle> followed;
+    std::vector<Particle> others;
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      const Pose2& pose = left[i].map_from_robot;
+      const bool here = distance(pose, place.map_from_robot) <= params_.cluster_distance &&
+                        heading_difference(pose, place.map_from_robot) <= params_.cluster_heading;
+      (here && i % spread_every != 0 ? followed : others).push_back(left[i]);
+    }
+    move_particles(followed, seen, params_.motion, rng_);
+    moved.insert(moved.end(), followed.begin(), followed.end());
+    left = std::move(others);
+  }
+  move_particles(left, std::nullopt, params_.motion, rng_);
+  particles_ = std::move(left);
+  particles_.insert(particles_.end(), moved.begin(), moved.end());
 }
 
 bool Tracker::search_due() const {
@@ -175,7 +211,6 @@ TrackStep Tracker::add(const Scan& scan, ScanInterval excluded) {
   TrackStep step;
   remember(scan);
   const std::optional<Pose2> motion = last_motion(last_scans_);
-  move_particles(particles_, motion, params_.motion, rng_);
   ++since_search_;
   if (localizer_.fields(excluded).empty()) {
     step.reason = Reason::empty_map;
@@ -185,6 +220,7 @@ TrackStep Tracker::add(const Scan& scan, ScanInterval excluded) {
   const EvidenceScorer scorer(fields, params_.localize.search.score);
   const ScanPoints points = scan_points(scan, params_.localize.search.points);
   const ScanPoints few = thinned(points, params_.particle_points);
+  move(motion, fields, points, scan.robot_from_sensor);
   if (particles_.empty() && params_.initialisation == TrackInitialisation::uniform) {
     particles_ = spread_out(fields, scan.robot_from_sensor, params_.uniform.particles, rng_);
     belief_.start(0.5);

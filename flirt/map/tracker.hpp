@@ -138,8 +138,9 @@ class Tracker {
   /// `threads` share the particles; 0 for one per processor. Answers do not depend on them.
   explicit Tracker(const PlaceMap& map, const TrackerParams& params = {}, std::size_t threads = 1);
 
-  /// The next scan of the drive, in order. Without odometry in this or the last scan the robot is taken to have stood,
-  /// within `blind_translation` and `blind_rotation`. Map scans in `excluded` do not take part.
+  /// The next scan of the drive, in order. Without odometry in this or the last scan the robot is taken to have moved
+  /// to where the scan fits best near the places that are followed, within three times `blind_translation` and
+  /// `blind_rotation`. Map scans in `excluded` do not take part.
   /// O(particles · particle_points), and a localize() where one is needed.
   TrackStep add(const Scan& scan, ScanInterval excluded = {});
 
@@ -150,6 +151,8 @@ class Tracker {
 
  private:
   void remember(const Scan& scan);
+  void move(const std::optional<Pose2>& motion, const MapFields& fields, const ScanPoints& points,
+            const Pose2& robot_from_sensor);
   [[nodiscard]] bool search_due() const;
   [[nodiscard]] bool is_better(const LocalizationResult& found, const ScanPoints& joined, const MapFields& fields,
                                const Pose2& robot_from_sensor) const;

@@ -1,5 +1,6 @@
 #include "flirt/io/flirt_map.hpp"
 
+#include "flirt/core/rng.hpp"
 #include "flirt/io/file.hpp"
 #include "flirt/map/localize.hpp"
 
@@ -11,9 +12,12 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <numeric>
 #include <string>
+#include <vector>
 
 namespace flirt {
 namespace {
@@ -87,6 +91,23 @@ std::size_t entry_at(const std::string& bytes, std::string_view name) {
   return header_bytes;
 }
 
+/// All bytes of the header and of the table of sections, the first and last of each section, and some drawn from all:
+/// every byte of the file would take a minute.
+std::vector<std::size_t> places_in(const std::string& bytes) {
+  const auto sections = get<std::uint32_t>(bytes, sections_at);
+  std::vector<std::size_t> places(header_bytes + sections * entry_bytes);
+  std::iota(places.begin(), places.end(), 0U);
+  for (std::size_t i = 0; i < sections; ++i) {
+    const std::size_t entry = header_bytes + i * entry_bytes;
+    const auto begin = get<std::uint64_t>(bytes, entry + entry_offset_at);
+    const auto size = get<std::uint64_t>(bytes, entry + entry_bytes_at);
+    if (size > 0) { places.insert(places.end(), {begin, begin + size - 1}); }
+  }
+  Rng rng(1);
+  for (int i = 0; i < 300; ++i) { places.push_back(rng.below(static_cast<std::uint32_t>(bytes.size()))); }
+  return places;
+}
+
 /// The file with one more section, of 5 bytes, at its end.
 std::string with_section(const std::string& bytes, const std::string& name, std::uint32_t flags) {
   const auto aligned = [](std::size_t at) { return (at + 63) / 64 * 64; };
@@ -153,7 +174,7 @@ TEST_F(FlirtMapFile, AnEmptyMapReadsBack) {
 TEST_F(FlirtMapFile, AnyChangedByteIsAnError) {
   const std::string good = bytes_of(small_map());
   ASSERT_EQ(complaint(good), "");
-  for (std::size_t i = 0; i < good.size(); ++i) {
+  for (const std::size_t i : places_in(good)) {
     for (const int change : {0xff, 0x01}) {
       std::string bad = good;
       bad[i] = static_cast<char>(bad[i] ^ change);
@@ -164,7 +185,7 @@ TEST_F(FlirtMapFile, AnyChangedByteIsAnError) {
 
 TEST_F(FlirtMapFile, AnyCutIsAnError) {
   const std::string good = bytes_of(small_map());
-  for (std::size_t length = 0; length < good.size(); ++length) {
+  for (const std::size_t length : places_in(good)) {
     ASSERT_THAT(complaint(good.substr(0, length)), HasSubstr("map.flirt: expected")) << "length " << length;
   }
   EXPECT_THAT(complaint(good + "x"), HasSubstr("cut or damaged"));

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <string>
 #include <vector>
 
 namespace flirt {
@@ -56,6 +58,45 @@ TEST(GridCells, AnyOccupiedFinePixelMakesItsCellOccupied) {
       EXPECT_NEAR(sum, share, 0.6 * share);
     }
   }
+}
+
+/// Rows from the top: # occupied, . free, ? unknown.
+GridCells cells_of(const std::vector<std::string>& rows) {
+  GreyImage image{rows[0].size(), rows.size(), {}};
+  for (const std::string& row : rows) {
+    for (const char c : row) { image.pixels.push_back(c == '#' ? 0 : c == '.' ? 254 : 205); }
+  }
+  return grid_cells(image, {}, 0.05).value();
+}
+
+std::vector<std::string> rows_of(const GridCells& cells) {
+  std::vector<std::string> rows;
+  for (std::int32_t y = cells.height - 1; y >= 0; --y) {
+    rows.emplace_back();
+    for (std::int32_t x = 0; x < cells.width; ++x) {
+      const CellState state = cells.at({cells.first.x + x, cells.first.y + y});
+      rows.back() += state == CellState::occupied ? '#' : state == CellState::free ? '.' : '?';
+    }
+  }
+  return rows;
+}
+
+TEST(GridCells, OfThickWallsOnlyTheSurfaceIsOccupied) {
+  EXPECT_EQ(rows_of(cells_of({"######", "######", "##..##", "##..##", "######", "######"})),
+            (std::vector<std::string>{"??????", "?####?", "?#..#?", "?#..#?", "?####?", "??????"}));
+  EXPECT_EQ(rows_of(cells_of({".......", ".#####.", ".#####.", ".#####.", ".#####.", ".#####.", "......."})),
+            (std::vector<std::string>{".......", ".#####.", ".#???#.", ".#???#.", ".#???#.", ".#####.", "......."}));
+}
+
+TEST(GridCells, ThinWallsAndWallsBesideUnknownSpaceStay) {
+  for (const std::vector<std::string>& rows : {std::vector<std::string>{".....", "#####", "#####", "....."},
+                                               std::vector<std::string>{"#....", ".#...", "..#..", "...##"},
+                                               std::vector<std::string>{"?????", "?###?", "?????"}}) {
+    EXPECT_EQ(rows_of(cells_of(rows)), rows);
+  }
+  // A grey seam, as smoothing leaves it.
+  EXPECT_EQ(rows_of(cells_of({".....", "?????", "#####", "#####"})),
+            (std::vector<std::string>{".....", "?????", "#####", "?????"}));
 }
 
 TEST(GridCells, ATurnedImageHasNoHoles) {
