@@ -56,4 +56,14 @@ inline double error_of(std::span<const Pose2> poses, std::span<const Pose2> trut
   return absolute_error(pairs).translation.rmse;
 }
 
+/// A few metres through a small building, which several tests spoil and mend.
+inline const ScanLog& short_drive() {
+  static const ScanLog log = drive_through(2, 4, 2);
+  return log;
+}
+inline const std::vector<SlamScan>& short_drive_scans() {
+  static const std::vector<SlamScan> kept = slam_scans(short_drive());
+  return kept;
+}
+
 }  // namespace flirt

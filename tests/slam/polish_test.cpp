@@ -10,59 +10,51 @@
 namespace flirt {
 namespace {
 
-const ScanLog& drive() {
-  static const ScanLog log = drive_through(2, 4, 2);
-  return log;
-}
-const std::vector<SlamScan>& scans() {
-  static const std::vector<SlamScan> kept = slam_scans(drive());
-  return kept;
-}
-
 PoseGraph shaken_graph() {
-  return chain_of(shaken(drive().map_from_robot, 0.03, radians_from_degrees(0.7), 5), 0.03, radians_from_degrees(0.7));
+  return chain_of(shaken(short_drive().map_from_robot, 0.03, radians_from_degrees(0.7), 5), 0.03,
+                  radians_from_degrees(0.7));
 }
 
 TEST(Polish, DrawsShakenScansOntoEachOther) {
   PoseGraph graph = shaken_graph();
-  ASSERT_GT(error_of(graph.map_from_node, drive().map_from_robot), 0.035);
-  const PolishSummary first = polish(graph, scans(), {.polish_rounds = 1});
-  EXPECT_GT(first.pairs, 2 * scans().size());
-  const PolishSummary later = polish(graph, scans(), {});
+  ASSERT_GT(error_of(graph.map_from_node, short_drive().map_from_robot), 0.035);
+  const PolishSummary first = polish(graph, short_drive_scans(), {.polish_rounds = 1});
+  EXPECT_GT(first.pairs, 2 * short_drive_scans().size());
+  const PolishSummary later = polish(graph, short_drive_scans(), {});
   EXPECT_LT(later.residual, 0.5 * first.residual);
-  EXPECT_LT(error_of(graph.map_from_node, drive().map_from_robot), 0.008);
-  EXPECT_EQ(graph.map_from_node.front(), drive().map_from_robot.front());
+  EXPECT_LT(error_of(graph.map_from_node, short_drive().map_from_robot), 0.008);
+  EXPECT_EQ(graph.map_from_node.front(), short_drive().map_from_robot.front());
 }
 
 TEST(Polish, TellsWhichScanFitsNobody) {
   PoseGraph graph = shaken_graph();
   graph.map_from_node[40] = graph.map_from_node[40] * Pose2{1.5, 1.5, 1};
-  const PolishSummary summary = polish(graph, scans(), {.polish_rounds = 1});
-  ASSERT_EQ(summary.fit.size(), scans().size());
+  const PolishSummary summary = polish(graph, short_drive_scans(), {.polish_rounds = 1});
+  ASSERT_EQ(summary.fit.size(), short_drive_scans().size());
   EXPECT_EQ(std::ranges::min_element(summary.fit) - summary.fit.begin(), 40);
   EXPECT_LT(summary.fit[40], 0.3);
   const auto fitting = std::ranges::count_if(summary.fit, [](double fit) { return fit > 0.6; });
-  EXPECT_GT(static_cast<double>(fitting), 0.9 * static_cast<double>(scans().size()));
+  EXPECT_GT(static_cast<double>(fitting), 0.9 * static_cast<double>(short_drive_scans().size()));
 }
 
 TEST(Polish, LeavesPosesWhereNothingCanBeSeen) {
-  PoseGraph graph = chain_of(drive().map_from_robot, 0.03, 0.01);
-  const std::vector<SlamScan> blind(scans().size());
+  PoseGraph graph = chain_of(short_drive().map_from_robot, 0.03, 0.01);
+  const std::vector<SlamScan> blind(short_drive_scans().size());
   const PolishSummary summary = polish(graph, blind, {});
   EXPECT_EQ(summary.pairs, 0U);
-  EXPECT_LT(error_of(graph.map_from_node, drive().map_from_robot), 1e-6);
+  EXPECT_LT(error_of(graph.map_from_node, short_drive().map_from_robot), 1e-6);
 }
 
 TEST(Polish, WithoutRoundsDoesNothing) {
   PoseGraph graph = shaken_graph();
   const std::vector<Pose2> before = graph.map_from_node;
-  EXPECT_EQ(polish(graph, scans(), {.polish_rounds = 0}).pairs, 0U);
+  EXPECT_EQ(polish(graph, short_drive_scans(), {.polish_rounds = 0}).pairs, 0U);
   EXPECT_EQ(graph.map_from_node, before);
 }
 
 TEST(OverlappingPairs, AreNeighboursInTimeAndOtherVisitsNearby) {
   constexpr std::size_t most = 4;
-  const std::vector<Pose2>& poses = drive().map_from_robot;
+  const std::vector<Pose2>& poses = short_drive().map_from_robot;
   const std::vector<ScanPair> pairs = overlapping_pairs(poses, most);
   std::vector<std::size_t> others(poses.size());
   std::set<std::pair<std::uint32_t, std::uint32_t>> known;

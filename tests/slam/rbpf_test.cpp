@@ -13,7 +13,7 @@ namespace flirt {
 namespace {
 
 /// 40 m through a small building.
-const ScanLog& building() {
+const ScanLog& filter_building() {
   static const ScanLog log = [] {
     SimulateParams params{.seed = 4};
     params.drive.rounds = 2;
@@ -24,8 +24,8 @@ const ScanLog& building() {
   return log;
 }
 
-std::vector<Pose2> mapped(const ScanLog& log, const RbpfParams& params, std::uint64_t seed = 0,
-                          std::size_t threads = 1) {
+std::vector<Pose2> filtered(const ScanLog& log, const RbpfParams& params, std::uint64_t seed = 0,
+                            std::size_t threads = 1) {
   Rbpf filter(params, seed, threads);
   for (const Scan& scan : log.scans) { filter.add(scan); }
   return filter.trajectory();
@@ -38,24 +38,24 @@ double error_of(const std::vector<Pose2>& estimate, const std::vector<Pose2>& tr
 }
 
 TEST(Rbpf, CorrectsOdometryToCentimetres) {
-  const ScanLog& log = building();
+  const ScanLog& log = filter_building();
   std::vector<Pose2> odometry;
   for (const Scan& scan : log.scans) { odometry.push_back(*scan.odom_from_robot); }
   EXPECT_GT(error_of(odometry, log.map_from_robot), 0.2);
-  EXPECT_LT(error_of(mapped(log, {.particles = 8}), log.map_from_robot), 0.08);
+  EXPECT_LT(error_of(filtered(log, {.particles = 8}), log.map_from_robot), 0.08);
 }
 
 TEST(Rbpf, GivesTheSamePosesOnAnyNumberOfThreadsAndOthersForAnotherSeed) {
-  ScanLog log = building();
+  ScanLog log = filter_building();
   log.scans.resize(40);
   const RbpfParams params{.particles = 6, .resample_share = 1};  // resamples all the time
-  const std::vector<Pose2> one = mapped(log, params, 1, 1);
-  EXPECT_EQ(one, mapped(log, params, 1, 3));
-  EXPECT_NE(one, mapped(log, params, 2, 1));
+  const std::vector<Pose2> one = filtered(log, params, 1, 1);
+  EXPECT_EQ(one, filtered(log, params, 1, 3));
+  EXPECT_NE(one, filtered(log, params, 2, 1));
 }
 
 TEST(Rbpf, PlacesAScanOfAStandingRobotByOdometryAlone) {
-  ScanLog log = building();
+  ScanLog log = filter_building();
   log.scans.resize(6);
   log.scans.push_back(log.scans.back());
   log.scans.back().odom_from_robot = *log.scans.back().odom_from_robot * Pose2{0.04, 0, 0.01};
@@ -70,17 +70,17 @@ TEST(Rbpf, PlacesAScanOfAStandingRobotByOdometryAlone) {
 }
 
 TEST(Rbpf, GoesOnAsBeforeWithoutOdometry) {
-  ScanLog log = building();
+  ScanLog log = filter_building();
   log.scans.resize(30);
   log.map_from_robot.resize(30);
-  EXPECT_LT(error_of(mapped(log, {.particles = 4, .odometry = OdometryUse::ignore}), log.map_from_robot), 0.3);
+  EXPECT_LT(error_of(filtered(log, {.particles = 4, .odometry = OdometryUse::ignore}), log.map_from_robot), 0.3);
 }
 
 TEST(Rbpf, TakesScansWithoutAnyReturn) {
-  ScanLog log = building();
+  ScanLog log = filter_building();
   log.scans.resize(8);
   for (const std::size_t i : {0U, 4U}) { std::ranges::fill(log.scans[i].ranges, 0.0); }
-  const std::vector<Pose2> poses = mapped(log, {.particles = 3, .start_x = 5});
+  const std::vector<Pose2> poses = filtered(log, {.particles = 3, .start_x = 5});
   ASSERT_EQ(poses.size(), 8U);
   EXPECT_EQ(poses[0], (Pose2{5, 0, 0}));
   for (const Pose2& pose : poses) { EXPECT_TRUE(is_finite(pose)); }

@@ -18,7 +18,7 @@ PoseGraph earlier_graph() {
   return chain_of(earlier_log().map_from_robot, 0.02, 0.005);
 }
 
-Slam mapped(const ScanLog& log) {
+Slam mapped_session(const ScanLog& log) {
   Slam slam;
   for (const Scan& scan : log.scans) { slam.add(scan); }
   return slam;
@@ -26,7 +26,7 @@ Slam mapped(const ScanLog& log) {
 
 TEST(Session, JoinsTheMapOfItsBuildingInItsFrame) {
   const ScanLog log = drive_through(2, 9);
-  Slam slam = mapped(log);
+  Slam slam = mapped_session(log);
   const SessionJoin join = slam.join(earlier_log().scans, earlier_graph());
   EXPECT_GE(join.agreeing, 8U);
   EXPECT_LE(join.agreeing, join.found);
@@ -43,7 +43,7 @@ TEST(Session, JoinsTheMapOfItsBuildingInItsFrame) {
 }
 
 TEST(Session, OfAnotherBuildingChangesNothing) {
-  Slam slam = mapped(drive_through(7, 9));
+  Slam slam = mapped_session(drive_through(7, 9));
   const std::vector<Pose2> before = slam.graph().map_from_node;
   const std::size_t edges = slam.graph().edges.size();
   EXPECT_EQ(slam.join(earlier_log().scans, earlier_graph()).agreeing, 0U);
@@ -55,14 +55,14 @@ TEST(Session, OfAnotherBuildingChangesNothing) {
 TEST(Session, OfAFewScansIsNotEnough) {
   ScanLog log = drive_through(2, 9);
   log.scans.resize(5);
-  Slam slam = mapped(log);
+  Slam slam = mapped_session(log);
   EXPECT_EQ(slam.join(earlier_log().scans, earlier_graph()).agreeing, 0U);
 }
 
 TEST(Session, OfNothingIsNotFound) {
   Slam slam;
   EXPECT_EQ(slam.join(earlier_log().scans, earlier_graph()).agreeing, 0U);
-  Slam other = mapped(drive_through(2, 9));
+  Slam other = mapped_session(drive_through(2, 9));
   EXPECT_EQ(other.join({}, {}).agreeing, 0U);
 }
 
