@@ -22,16 +22,17 @@ void GlobalPlaces::update(std::span<const SlamScan> scans, std::span<const Pose2
       map_from_placed_.push_back(map_from_node[node]);
     }
     grid_.add(scan, map_from_node[node] * scan.robot_from_sensor);
-    fields_.reset();
+    is_stale_ = true;
   }
 }
 
 std::optional<FoundPlace> GlobalPlaces::find(const Scan& scan) {
-  if (!fields_) { fields_ = map_fields(grid_); }
-  if (fields_->empty()) { return std::nullopt; }
+  if (is_stale_) { fields_ = updated_fields(fields_, grid_); }
+  is_stale_ = false;
+  if (fields_.empty()) { return std::nullopt; }
   const ScanPoints points = scan_points(scan);
   if (points.size() == 0) { return std::nullopt; }
-  const std::vector<ScoredPose> poses = search(*fields_, points);
+  const std::vector<ScoredPose> poses = search(fields_, points);
   if (judge_answer(poses, points.size()).verdict != Verdict::unique) { return std::nullopt; }
   const ScoredPose& best = poses.front();
   return FoundPlace{best.map_from_sensor * inverse(scan.robot_from_sensor),

@@ -30,7 +30,8 @@ class GlobalPlaces {
  private:
   EvidenceGrid grid_{};
   std::vector<Pose2> map_from_placed_{};  ///< per node in the grid, of the robot
-  std::optional<MapFields> fields_{};     ///< of the grid, until that changes
+  MapFields fields_{};                    ///< of the grid
+  bool is_stale_{false};                  ///< the grid changed since
 };
 
 }  // namespace flirt

@@ -2,6 +2,8 @@
 
 #include "flirt/registration/window_search.hpp"
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <cmath>
 
@@ -134,6 +136,37 @@ void LoopCloser::add_nearest(Found& found) const {
   }
 }
 
+std::vector<Closure> LoopCloser::closures(std::span<const Found> agreeing, std::span<const Pose2> map_from_node) const {
+  std::vector<Closure> found;
+  found.reserve(agreeing.size());
+  for (const Found& place : agreeing) { found.push_back(closure(place, map_from_node)); }
+  return found;
+}
+
+/// Whether the graph may well be off by what was found, after the way since the last closure.
+bool LoopCloser::is_likely(const Found& found, std::span<const Pose2> map_from_node) const {
+  const double since = travel_.back() - last_closure_;
+  const Pose2 off = inverse(map_from_node[found.node]) * found.map_from_robot;
+  const double translation =
+      params_.loop_drift + params_.loop_drift_growth * since + 3 * std::sqrt(unseen_);  // three deviations
+  return norm(off.translation()) <= translation;
+}
+
+/// Whether places that agree were found over so long a way that a room's twin would have been left.
+bool LoopCloser::is_sure(std::span<const Found> agreeing) const {
+  constexpr std::size_t fewest = 3;
+  return agreeing.size() >= fewest &&
+         travel_[agreeing.back().node] - travel_[agreeing.front().node] >= params_.loop_sure_travel;
+}
+
+/// Drops places that contradict a new one, and those too far back to confirm it.
+void LoopCloser::forget(std::vector<Found>& waiting, const Found& newest, std::span<const Pose2> map_from_node) const {
+  std::erase_if(waiting, [&](const Found& other) {
+    return travel_[newest.node] - travel_[other.node] > params_.global_forget_travel ||
+           !agree(other, newest, map_from_node);
+  });
+}
+
 /// Earlier visits in a window around the pose in the graph, wider the longer none was found.
 std::vector<Closure> LoopCloser::near(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node,
                                       std::span<const SurfacePoints> query) {
@@ -143,21 +176,24 @@ std::vector<Closure> LoopCloser::near(std::span<const SlamScan> scans, std::span
   const double turn = std::min(params_.loop_turn + params_.loop_turn_growth * since, params_.loop_turn_most);
   if (!gather(scans, map_from_node, map_from_node[node], sight + extent)) { return {}; }
   std::optional<Found> found = search(query, node, map_from_node[node], extent, turn);
-  if (!found) {
-    waiting_.reset();
-    return {};
-  }
+  if (!found) { return {}; }
   add_nearest(*found);
-  const bool confirmed = waiting_ && agree(*waiting_, *found, map_from_node);
-  if (!confirmed && found->margin < params_.loop_clear_margin) {
-    waiting_ = std::move(found);
+  found->query = queries_;
+  forget(waiting_, *found, map_from_node);
+  const bool is_clear = found->margin >= params_.loop_clear_margin;
+  const bool follows = !waiting_.empty() && waiting_.back().query + 1 == queries_;
+  const bool likely = is_likely(*found, map_from_node);
+  waiting_.push_back(*std::move(found));
+  std::span<const Found> agreeing = waiting_;
+  if (likely) {
+    if (!is_clear && !follows) { return {}; }
+    agreeing = agreeing.last(follows ? 2 : 1);
+  } else if (!is_sure(agreeing)) {
     return {};
   }
-  std::vector<Closure> closures;
-  if (confirmed) { closures.push_back(closure(*waiting_, map_from_node)); }
-  closures.push_back(closure(*found, map_from_node));
-  waiting_.reset();
-  return closures;
+  std::vector<Closure> found_closures = closures(agreeing, map_from_node);
+  waiting_.clear();
+  return found_closures;
 }
 
 /// Earlier visits anywhere in the map.
@@ -179,36 +215,51 @@ std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::
   if (!found) { return {}; }
   found->source = ClosureSource::anywhere;
   add_nearest(*found);
-  std::erase_if(waiting_anywhere_, [&](const Found& other) {
-    return travel - travel_[other.node] > params_.global_forget_travel || !agree(other, *found, map_from_node);
-  });
+  forget(waiting_anywhere_, *found, map_from_node);
   waiting_anywhere_.push_back(*std::move(found));
-  if (waiting_anywhere_.size() < params_.global_agreeing) { return {}; }
-  std::vector<Closure> closures;
-  for (const Found& agreed : waiting_anywhere_) { closures.push_back(closure(agreed, map_from_node)); }
+  if (waiting_anywhere_.size() < params_.global_agreeing || !is_sure(waiting_anywhere_)) { return {}; }
+  std::vector<Closure> found_closures = closures(waiting_anywhere_, map_from_node);
   waiting_anywhere_.clear();
-  return closures;
+  return found_closures;
+}
+
+/// The way to the newest node, and how much of it was not seen well.
+void LoopCloser::measure_way(const PoseGraph& graph) {
+  constexpr double seen_well = 0.05;  // m, deviation; the drift of such motions grows with the way
+  const std::size_t node = graph.map_from_node.size() - 1;
+  if (node == 0) {
+    travel_.push_back(0);
+    return;
+  }
+  travel_.push_back(travel_.back() + distance(graph.map_from_node[node - 1], graph.map_from_node[node]));
+  for (auto edge = graph.edges.rbegin(); edge != graph.edges.rend() && edge->b == node; ++edge) {
+    if (edge->a + 1 != node) { continue; }
+    const Eigen::Matrix2d covariance = edge->information.inverse().topLeftCorner<2, 2>();
+    const double variance = covariance.trace();  // of one direction, where only that was not seen
+    if (variance > seen_well * seen_well) { unseen_ += variance; }
+    break;
+  }
 }
 
 std::vector<Closure> LoopCloser::add(std::span<const SlamScan> scans, const PoseGraph& graph) {
   const std::span<const Pose2> map_from_node = graph.map_from_node;
-  const std::size_t node = scans.size() - 1;
-  travel_.push_back(node == 0 ? 0 : travel_.back() + distance(map_from_node[node - 1], map_from_node[node]));
+  measure_way(graph);
   if (travel_.back() - last_query_ < params_.loop_every) { return {}; }
   last_query_ = travel_.back();
+  ++queries_;
   const std::vector<SurfacePoints> query = query_scans(scans, map_from_node);
   std::size_t points = 0;
   for (const SurfacePoints& scan : query) { points += scan.size(); }
   if (points < params_.loop_points) { return {}; }
-  std::vector<Closure> closures = near(scans, map_from_node, query);
-  if (closures.empty() && params_.front_end == FrontEndKind::automatic) {
-    closures = anywhere(scans, map_from_node, query);
-  }
-  if (!closures.empty()) {
+  std::vector<Closure> found = near(scans, map_from_node, query);
+  if (found.empty() && params_.front_end == FrontEndKind::automatic) { found = anywhere(scans, map_from_node, query); }
+  if (!found.empty()) {
     last_closure_ = travel_.back();
+    unseen_ = 0;
+    waiting_.clear();
     waiting_anywhere_.clear();
   }
-  return closures;
+  return found;
 }
 
 }  // namespace flirt

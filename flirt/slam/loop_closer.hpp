@@ -19,9 +19,10 @@ namespace flirt {
 
 /// Keeps a local map of the earlier scans around the robot, from query to query. A place found is believed when it
 /// agrees well, clearly better than any other in the window, and when the query before or after found the same
-/// displacement of the graph. The front-end `automatic`, when no earlier visit was found for long, also asks for the
-/// place of single scans in the whole map; such a place is then verified like any other, and several in a row must
-/// agree.
+/// displacement of the graph. A displacement larger than the way since the last closure makes likely has to be found
+/// again and again over some metres: twin rooms are left by then. The front-end `automatic`, when no earlier visit was
+/// found for long, also asks for the place of single scans in the whole map; such a place is then verified like any
+/// other, and several in a row must agree.
 class LoopCloser {
  public:
   explicit LoopCloser(const SlamParams& params) : params_(params) {}
@@ -37,12 +38,12 @@ class LoopCloser {
   struct Found {
     std::size_t node{0};
     Pose2 map_from_robot{};
-    Pose2 in_graph{};  ///< where the graph had the node when it was found
     Eigen::Matrix3d information{Eigen::Matrix3d::Zero()};
     std::vector<std::size_t> near{};  ///< nodes of earlier scans
     std::vector<Pose2> map_from_near{};
     double score{0};
     double margin{0};
+    std::size_t query{0};  ///< number of the query
     ClosureSource source{ClosureSource::near};
   };
 
@@ -57,15 +58,23 @@ class LoopCloser {
                                           std::span<const SurfacePoints> query);
   [[nodiscard]] std::vector<Closure> anywhere(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node,
                                               std::span<const SurfacePoints> query);
+  void measure_way(const PoseGraph& graph);
+  [[nodiscard]] bool is_likely(const Found& found, std::span<const Pose2> map_from_node) const;
+  [[nodiscard]] bool is_sure(std::span<const Found> agreeing) const;
+  void forget(std::vector<Found>& waiting, const Found& newest, std::span<const Pose2> map_from_node) const;
+  [[nodiscard]] std::vector<Closure> closures(std::span<const Found> agreeing,
+                                              std::span<const Pose2> map_from_node) const;
   [[nodiscard]] Closure closure(const Found& found, std::span<const Pose2> map_from_node) const;
 
   SlamParams params_;
   LocalMap map_{};
   std::vector<Placed> placed_{};
-  std::vector<double> travel_{};    ///< m, per node
-  double last_query_{0};            ///< m of travel
-  double last_closure_{0};          ///< m of travel
-  std::optional<Found> waiting_{};  ///< found, and not yet agreed with
+  std::vector<double> travel_{};  ///< m, per node
+  double last_query_{0};          ///< m of travel
+  double last_closure_{0};        ///< m of travel
+  double unseen_{0};              ///< m², variance of the motions since the last closure that were not seen well
+  std::size_t queries_{0};        ///< so far
+  std::vector<Found> waiting_{};  ///< places found near the pose in the graph, not yet believed; they agree
   GlobalPlaces places_{};
   double last_search_{0};                  ///< m of travel, of the whole map
   std::vector<Found> waiting_anywhere_{};  ///< places found in the whole map that agree with each other

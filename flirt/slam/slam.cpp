@@ -2,6 +2,7 @@
 
 #include "flirt/features/extract.hpp"
 #include "flirt/graph/optimize.hpp"
+#include "flirt/graph/tail.hpp"
 #include "flirt/registration/surface_points.hpp"
 #include "flirt/slam/front_ends.hpp"
 #include "flirt/slam/polish.hpp"
@@ -68,8 +69,19 @@ struct Slam::State {
     }
     // Small corrections wait for each other.
     pending += closures.size();
-    if (pending > 0 && is_due()) { optimize_poses(4); }
+    if (pending > 0 && is_due()) { optimize_newest(); }
     return found;
+  }
+
+  /// What was mapped before the last closures stands; only the way since then has drifted.
+  void optimize_newest() {
+    constexpr std::uint32_t margin = 100;  // scans
+    constexpr std::uint32_t most = 1500;   // scans; a longer way waits for `finish` to be bent as a whole
+    const auto newest = static_cast<std::uint32_t>(graph.map_from_node.size() - 1);
+    const bool whole = params.front_end == FrontEndKind::flirt;  // constraints anywhere, in every step
+    const std::uint32_t first_free = std::max(tied > margin ? tied - margin : 0, newest > most ? newest - most : 0);
+    tied = newest;
+    optimize_poses(4, whole ? 0 : first_free);
   }
 
   [[nodiscard]] bool is_due() {
@@ -94,14 +106,16 @@ struct Slam::State {
     return nodes;
   }
 
-  void optimize_poses(std::uint32_t iterations) {
+  /// Nodes before `first_free` keep their poses.
+  void optimize_poses(std::uint32_t iterations, std::uint32_t first_free = 0) {
     const auto begin = Clock::now();
+    if (graph.map_from_node.empty()) { return; }
     // Least squares alone may end elsewhere when a large part of the map has to swing round.
     if (pending_translation > 1 || pending_rotation > 0.3) {
-      static_cast<void>(flirt::optimize(graph, {.backend = Backend::toro, .iterations = 30}));
+      static_cast<void>(optimize_tail(graph, first_free, {.backend = Backend::toro, .iterations = 30}));
       iterations = std::max(iterations, 20U);
     }
-    static_cast<void>(flirt::optimize(graph, {.backend = params.backend, .iterations = iterations}));
+    static_cast<void>(optimize_tail(graph, first_free, {.backend = params.backend, .iterations = iterations}));
     pending = 0;
     steps_waited = 0;
     pending_translation = 0;
@@ -121,6 +135,7 @@ struct Slam::State {
   std::vector<SlamScan> scans{};
   PoseGraph graph{};
   std::vector<SlamStep> steps{};
+  std::uint32_t tied{0};    ///< newest node when closures last moved the poses
   std::uint32_t joined{0};  ///< nodes of an earlier map, before those of `steps`
   SlamSummary summary{};
 };

@@ -84,6 +84,9 @@ struct SlamParams {
   double loop_clear_margin{6};        ///< a lead that needs no second query to agree
   double loop_unknown{0.4};           ///< most of the points that may lie where nothing was seen
   std::uint32_t loop_points{100};     ///< least number of points of a query
+  double loop_drift{0.3};             ///< m that the graph may well be off where it was just closed, and
+  double loop_drift_growth{0.02};     ///< m per m of travel since the last closure; if it is off by more,
+  double loop_sure_travel{6};         ///< m of travel over which the same displacement has to be found
   double global_after{30};            ///< m of travel without a closure after which the whole map is searched (auto)
   double global_every{6};             ///< m of travel between such searches, and
   double global_agree_travel{1.5};    ///< m once one found something
@@ -146,6 +149,10 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.loop_clear_margin, Field{"loop_clear_margin", "", "a lead that needs no second query", 0, 50});
   visit(params.loop_unknown, Field{"loop_unknown", "1", "most points where nothing was seen", 0, 1});
   visit(params.loop_points, Field{"loop_points", "", "least number of points of a query", 1, 100000});
+  visit(params.loop_drift, Field{"loop_drift", "m", "the graph may well be off by", 0, 100});
+  visit(params.loop_drift_growth, Field{"loop_drift_growth", "1", "its growth since the last closure", 0, 1});
+  visit(params.loop_sure_travel,
+        Field{"loop_sure_travel", "m", "travel that shows a larger displacement all along", 0, 1000});
   visit(params.global_after,
         Field{"global_after", "m", "travel without closure until the whole map is searched", 0, 1e9});
   visit(params.global_every, Field{"global_every", "m", "travel between searches of the whole map", 0.1, 1e9});
