@@ -96,7 +96,7 @@ TEST(PlaceMapFromGridOfARealBuilding, FindsTheScansOfAnotherCorrectionOfTheDrive
 
   const ScanLog queries = read_log(*asked).value().log;
   std::vector<std::size_t> chosen;
-  for (std::size_t i = 0; i < queries.scans.size(); i += 6) { chosen.push_back(i); }
+  for (std::size_t i = 0; i < queries.scans.size(); i += 12) { chosen.push_back(i); }
   const std::vector<bool> can_answer = answerable(queries, chosen, {}, 0);
   std::vector<LocalizationResult> answers;
   std::vector<Pose2> truths;
@@ -112,7 +112,7 @@ TEST(PlaceMapFromGridOfARealBuilding, FindsTheScansOfAnotherCorrectionOfTheDrive
   std::printf("%zu virtual scans; grid_from_log: %.3f m, %.3f m, %.2f deg\n", map.size(), between.x, between.y,
               degrees_from_radians(between.theta));
   tally.print("fr079, answerable queries");
-  EXPECT_GE(tally.asked, 100U);
+  EXPECT_GE(tally.asked, 60U);
   EXPECT_GE(tally.success(), 0.97);
 }
 
@@ -154,7 +154,7 @@ GridMapImage real_grid(const std::filesystem::path& path) {
 
 struct GridFile {
   const char* name;
-  double success;  ///< least share of right answers, over all lidars and crowds
+  double success;  ///< least share of right answers, over all lidars
 };
 
 TEST(PlaceMapFromGridOfARealBuilding, SimulatedLidarsAreFoundAmongPeople) {
@@ -170,12 +170,9 @@ TEST(PlaceMapFromGridOfARealBuilding, SimulatedLidarsAreFoundAmongPeople) {
     Localizer localizer(map);
     Tally all;
     for (const double degrees : {180.0, 270.0, 359.99}) {
-      for (const double people : {0.0, 0.3}) {
-        const Tally tally = found_in(grid, localizer, radians_from_degrees(degrees), people, 12);
-        tally.print("  " + std::to_string(std::lround(degrees)) + " deg, people " +
-                    std::to_string(people).substr(0, 3));
-        all.add(tally);
-      }
+      const Tally tally = found_in(grid, localizer, radians_from_degrees(degrees), 0.3, 12);
+      tally.print("  " + std::to_string(std::lround(degrees)) + " deg, 30 % people");
+      all.add(tally);
     }
     EXPECT_GE(all.success(), file.success) << file.name;
     EXPECT_GE(static_cast<double>(all.unique_right), 0.98 * static_cast<double>(all.unique)) << file.name;
