@@ -74,8 +74,12 @@ bool LoopCloser::gather(std::span<const SlamScan> scans, std::span<const Pose2> 
 std::optional<LoopCloser::Found> LoopCloser::search(std::span<const SurfacePoints> query, std::size_t node,
                                                     const Pose2& at, double extent, double turn) const {
   constexpr double keep = 0.6;
-  const SearchWindow window{
-      .map_from_robot = at, .half_extent = extent, .half_turn = turn, .most_points = 150, .candidates = 8};
+  const SearchWindow window{.map_from_robot = at,
+                            .half_extent = extent,
+                            .half_turn = turn,
+                            .most_points = 150,
+                            .candidates = 8,
+                            .keep = keep};
   const std::vector<WindowPose> candidates = search_window(map_, query, window);
   Found best{.node = node, .score = -1e9};
   std::vector<std::pair<Pose2, double>> judged;

@@ -73,7 +73,8 @@ ScanFrontEnd::Judged ScanFrontEnd::judge(const SurfacePoints& points, const Pose
 ScanFrontEnd::Judged ScanFrontEnd::search(const SurfacePoints& points, const Pose2& prediction, double extent,
                                           double turn) const {
   constexpr double keep = 0.85;  // of the best value, else a candidate is not refined
-  const SearchWindow window{.map_from_robot = prediction, .half_extent = extent, .half_turn = turn, .candidates = 4};
+  const SearchWindow window{
+      .map_from_robot = prediction, .half_extent = extent, .half_turn = turn, .candidates = 4, .keep = keep};
   const std::vector<WindowPose> candidates = search_window(map_, std::span(&points, 1), window);
   Judged best;
   for (const WindowPose& candidate : candidates) {
