@@ -1,5 +1,7 @@
 #include "flirt/registration/window_search.hpp"
 
+#include "flirt/registration/window_bounds.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,9 +10,10 @@
 namespace flirt {
 namespace {
 
-constexpr std::int32_t tile_side = 4;         // places
-constexpr std::int32_t tile_headings = 3;     // headings
+constexpr std::int32_t tile_side = WindowBounds::tile_side;
+constexpr std::size_t tile_headings = 3;
 constexpr std::size_t points_in_a_byte = 17;  // 17 · 15 = 255
+constexpr std::int32_t worth_bounds = 10;     // cells of reach; in smaller windows bounds cost more than they save
 
 using RowSums = std::array<std::uint16_t, LocalMap::row_length>;
 
@@ -82,14 +85,18 @@ class TileMaxima {
   explicit TileMaxima(std::int32_t reach) : reach_(reach), side_((2 * reach + tile_side) / tile_side) { clear(); }
 
   void clear() { best_.assign(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_), Place{}); }
-  void add_row(const RowSums& sums, std::int32_t first_x, std::int32_t y, std::int32_t heading) {
+  /// Returns the best sum of the row.
+  std::int32_t add_row(const RowSums& sums, std::int32_t first_x, std::int32_t y, std::int32_t heading) {
+    std::int32_t largest = 0;
     const std::int32_t last_x = std::min(first_x + LocalMap::row_length - 1, reach_);
     Place* row = best_.data() + static_cast<std::ptrdiff_t>((y + reach_) / tile_side) * side_;
     for (std::int32_t x = first_x; x <= last_x; ++x) {
       const Place place{sums[static_cast<std::size_t>(x - first_x)], x, y, heading};
       Place& best = row[(x + reach_) / tile_side];
+      largest = std::max(largest, place.sum);
       if (place.sum >= best.sum && better(place, best)) { best = place; }
     }
+    return largest;
   }
   void append_to(std::vector<Place>& places) const {
     for (const Place& place : best_) {
@@ -101,6 +108,70 @@ class TileMaxima {
   std::int32_t reach_;
   std::int32_t side_;
   std::vector<Place> best_;
+};
+
+/// The rows of places where something may still reach the share of the best that is asked for.
+class Promising {
+ public:
+  Promising(const LocalMap& map, std::span<const std::vector<CellIndex>> cells, std::span<const Point2> points,
+            const SearchWindow& window, std::int32_t reach)
+      : keep_(window.keep), reach_(reach) {
+    if (keep_ <= 0 || reach < worth_bounds) { return; }
+    const WindowBounds bounds(map, middle_of(window), radius_of(points), reach);
+    strips_ = bounds.strips();
+    for (const std::vector<CellIndex>& at_heading : cells) { bounds_.push_back(bounds.of(at_heading)); }
+    raise(best_of_most_promising(map, cells));
+  }
+
+  void raise(std::int32_t sum) { best_ = std::max(best_, sum); }
+  template <class Visit>
+  void for_each_row(std::size_t heading, const Visit& visit) const {
+    for (std::int32_t y = -reach_; y <= reach_; ++y) {
+      for (std::int32_t x = -reach_; x <= reach_; x += LocalMap::row_length) {
+        if (is_promising(heading, x, y)) { visit(x, y); }
+      }
+    }
+  }
+
+ private:
+  static CellIndex middle_of(const SearchWindow& window) {
+    return {static_cast<std::int32_t>(std::floor(window.map_from_robot.x / LocalMap::cell_size)),
+            static_cast<std::int32_t>(std::floor(window.map_from_robot.y / LocalMap::cell_size))};
+  }
+  static std::int32_t radius_of(std::span<const Point2> points) {
+    double farthest = 0;
+    for (const Point2& point : points) { farthest = std::max(farthest, norm(point)); }
+    return static_cast<std::int32_t>(farthest / LocalMap::cell_size) + 2;
+  }
+  [[nodiscard]] std::int32_t bound(std::size_t heading, std::int32_t x, std::int32_t y) const {
+    const std::int32_t strip = (y + reach_) / tile_side * strips_ + (x + reach_) / LocalMap::row_length;
+    return bounds_[heading][static_cast<std::size_t>(strip)];
+  }
+  [[nodiscard]] bool is_promising(std::size_t heading, std::int32_t x, std::int32_t y) const {
+    return bounds_.empty() || bound(heading, x, y) >= keep_ * best_;
+  }
+  /// The best sum at the heading with the highest bound: what the others have to come near to.
+  [[nodiscard]] std::int32_t best_of_most_promising(const LocalMap& map,
+                                                    std::span<const std::vector<CellIndex>> cells) const {
+    const auto highest = [](const std::vector<std::uint16_t>& all) { return std::ranges::max(all); };
+    const auto most = std::ranges::max_element(bounds_, {}, highest);
+    const std::uint16_t limit = highest(*most);
+    const auto heading = static_cast<std::size_t>(most - bounds_.begin());
+    std::int32_t best = 0;
+    for_each_row(heading, [&](std::int32_t x, std::int32_t y) {
+      if (bound(heading, x, y) < limit) { return; }
+      const RowSums sums = row_sums(map, cells[heading], x, y);
+      const std::int32_t last_x = std::min(LocalMap::row_length, reach_ - x + 1);
+      best = std::max<std::int32_t>(best, *std::max_element(sums.begin(), sums.begin() + last_x));
+    });
+    return best;
+  }
+
+  double keep_;
+  std::int32_t reach_;
+  std::int32_t strips_{0};
+  std::int32_t best_{0};
+  std::vector<std::vector<std::uint16_t>> bounds_{};  // per heading; empty: all is promising
 };
 
 std::vector<WindowPose> distinct(const std::vector<Place>& places, const SearchWindow& window, double step,
@@ -133,19 +204,23 @@ std::vector<WindowPose> search_window(const LocalMap& map, std::span<const Surfa
   const auto turn_steps =
       static_cast<std::int32_t>(std::ceil((all_headings ? half_turn : window.half_turn) / window.heading_step));
   const double step = all_headings ? half_turn / turn_steps : window.heading_step;
-  TileMaxima maxima(reach);
-  std::vector<Place> places;
   const std::int32_t last = all_headings ? turn_steps - 1 : turn_steps;
+  std::vector<std::vector<CellIndex>> cells;
   for (std::int32_t heading = -turn_steps; heading <= last; ++heading) {
     Pose2 pose = window.map_from_robot;
     pose.theta += heading * step;
-    const std::vector<CellIndex> cells = cells_at(picked, pose);
-    for (std::int32_t y = -reach; y <= reach; ++y) {
-      for (std::int32_t x = -reach; x <= reach; x += LocalMap::row_length) {
-        maxima.add_row(row_sums(map, cells, x, y), x, y, heading);
-      }
-    }
-    if ((heading + turn_steps) % tile_headings == tile_headings - 1 || heading == last) {
+    cells.push_back(cells_at(picked, pose));
+  }
+  Promising promising(map, cells, picked, window, reach);
+  TileMaxima maxima(reach);
+  std::vector<Place> places;
+  for (std::int32_t heading = -turn_steps; heading <= last; ++heading) {
+    const auto index = static_cast<std::size_t>(heading + turn_steps);
+    promising.for_each_row(index, [&](std::int32_t x, std::int32_t y) {
+      const RowSums sums = row_sums(map, cells[index], x, y);
+      promising.raise(maxima.add_row(sums, x, y, heading));
+    });
+    if (index % tile_headings == tile_headings - 1 || heading == last) {
       maxima.append_to(places);
       maxima.clear();
     }

@@ -20,6 +20,7 @@ struct SearchWindow {
   double heading_step{radians_from_degrees(2)};      ///< rad
   std::size_t most_points{100};                      ///< used of the scan, evenly picked
   std::size_t candidates{8};                         ///< kept at most
+  double keep{0};                                    ///< share of the best value; poses worth less may be left out
   double distinct_distance{0.25};                    ///< m, of two poses nearer than this
   double distinct_heading{radians_from_degrees(5)};  ///< rad, and turned less than this only the better one is kept
 };
@@ -31,8 +32,8 @@ struct WindowPose {
 };
 
 /// Best poses first: of each 4 × 4 places at three neighbouring headings the best, and of those the distinct ones.
-/// Sums of bytes, a row of 32 places at a time (Olson 2009, at one resolution); integers, so the same on every
-/// processor. O(headings · places · points / 32).
+/// Sums of bytes, a row of 32 places at a time (Olson 2009); in large windows only where bounds at a quarter of the
+/// resolution promise `keep` of the best. Integers, so the same on every processor. O(headings · places · points / 32).
 [[nodiscard]] std::vector<WindowPose> search_window(const LocalMap& map, std::span<const SurfacePoints> scans,
                                                     const SearchWindow& window);
 

@@ -20,8 +20,9 @@ using FrontEnd = std::variant<ScanFrontEnd, FlirtFrontEnd, PairFrontEnd>;
 using LoopFinder = std::variant<LoopCloser, FlirtConstraints>;
 [[nodiscard]] LoopFinder make_loop_finder(const SlamParams& params);
 
-[[nodiscard]] inline bool uses_keypoints(FrontEndKind kind) {
-  return kind == FrontEndKind::flirt || kind == FrontEndKind::automatic;
+/// Whether it needs the keypoints of every scan. `automatic` extracts those of the few that it is in doubt about.
+[[nodiscard]] inline bool needs_keypoints(FrontEndKind kind) {
+  return kind == FrontEndKind::flirt;
 }
 /// Whether all scans are aligned jointly at the end. The methods of others end with the optimized graph, as published.
 [[nodiscard]] inline bool is_polished(FrontEndKind kind) {

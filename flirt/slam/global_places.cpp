@@ -5,30 +5,32 @@
 
 namespace flirt {
 
-void GlobalPlaces::update(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, std::size_t earlier) {
+bool GlobalPlaces::update(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, std::size_t earlier,
+                          std::size_t most) {
   constexpr double moved = 0.05;   // m
   constexpr double turned = 0.01;  // rad
-  for (std::size_t node = 0; node < earlier; ++node) {
+  std::size_t changes = 0;
+  for (std::size_t node = 0; node < earlier && changes < most; ++node) {
     const Scan& scan = scans[node].scan;
     const bool is_new = node == map_from_placed_.size();
-    if (!is_new) {
+    if (is_new) {
+      map_from_placed_.push_back(map_from_node[node]);
+    } else {
       Pose2& placed = map_from_placed_[node];
       if (distance(placed, map_from_node[node]) < moved && heading_difference(placed, map_from_node[node]) < turned) {
         continue;
       }
       grid_.remove(scan, placed * scan.robot_from_sensor);
       placed = map_from_node[node];
-    } else {
-      map_from_placed_.push_back(map_from_node[node]);
     }
     grid_.add(scan, map_from_node[node] * scan.robot_from_sensor);
-    is_stale_ = true;
+    ++changes;
   }
+  if (changes > 0) { fields_ = updated_fields(fields_, grid_); }
+  return changes < most;
 }
 
 std::optional<FoundPlace> GlobalPlaces::find(const Scan& scan) {
-  if (is_stale_) { fields_ = updated_fields(fields_, grid_); }
-  is_stale_ = false;
   if (fields_.empty()) { return std::nullopt; }
   const ScanPoints points = scan_points(scan);
   if (points.size() == 0) { return std::nullopt; }

@@ -21,8 +21,10 @@ struct FoundPlace {
 /// The evidence of some scans, kept from query to query; scans that the graph moved are taken out and put in anew.
 class GlobalPlaces {
  public:
-  /// The map becomes that of the first `earlier` scans. O(what changed).
-  void update(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, std::size_t earlier);
+  /// The map becomes that of the first `earlier` scans; at most `most` of them are placed in one call, and true says
+  /// that all are. O(scans + what changed).
+  [[nodiscard]] bool update(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, std::size_t earlier,
+                            std::size_t most);
   /// The pose of a scan's robot in that map, when localization finds it there and nowhere else (Verdict::unique).
   /// O(cells of the map).
   [[nodiscard]] std::optional<FoundPlace> find(const Scan& scan);
@@ -31,7 +33,6 @@ class GlobalPlaces {
   EvidenceGrid grid_{};
   std::vector<Pose2> map_from_placed_{};  ///< per node in the grid, of the robot
   MapFields fields_{};                    ///< of the grid
-  bool is_stale_{false};                  ///< the grid changed since
 };
 
 }  // namespace flirt

@@ -74,8 +74,12 @@ bool LoopCloser::gather(std::span<const SlamScan> scans, std::span<const Pose2> 
 std::optional<LoopCloser::Found> LoopCloser::search(std::span<const SurfacePoints> query, std::size_t node,
                                                     const Pose2& at, double extent, double turn) const {
   constexpr double keep = 0.6;
-  const SearchWindow window{
-      .map_from_robot = at, .half_extent = extent, .half_turn = turn, .most_points = 150, .candidates = 8};
+  const SearchWindow window{.map_from_robot = at,
+                            .half_extent = extent,
+                            .half_turn = turn,
+                            .most_points = 150,
+                            .candidates = 8,
+                            .keep = keep};
   const std::vector<WindowPose> candidates = search_window(map_, query, window);
   Found best{.node = node, .score = -1e9};
   std::vector<std::pair<Pose2, double>> judged;
@@ -200,15 +204,16 @@ std::vector<Closure> LoopCloser::near(std::span<const SlamScan> scans, std::span
 std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node,
                                           std::span<const SurfacePoints> query) {
   constexpr double extent = 0.4;
+  constexpr std::size_t most_placed = 100;  // scans at once, so that none has to wait long
   const double turn = radians_from_degrees(6);
   const std::size_t node = scans.size() - 1;
   const double travel = travel_.back();
   const double every = waiting_anywhere_.empty() ? params_.global_every : params_.global_agree_travel;
   if (travel - last_closure_ < params_.global_after || travel - last_search_ < every) { return {}; }
-  last_search_ = travel;
   const auto first_recent = std::ranges::upper_bound(travel_, travel - params_.global_min_travel);
   const auto earlier = static_cast<std::size_t>(first_recent - travel_.begin());
-  places_.update(scans, map_from_node, earlier);
+  if (!places_.update(scans, map_from_node, earlier, most_placed)) { return {}; }  // the rest when asked next
+  last_search_ = travel;
   const std::optional<FoundPlace> place = places_.find(scans[node].scan);
   if (!place || !gather(scans, map_from_node, place->map_from_robot, sight)) { return {}; }
   std::optional<Found> found = search(query, node, place->map_from_robot, extent, turn);

@@ -73,7 +73,8 @@ ScanFrontEnd::Judged ScanFrontEnd::judge(const SurfacePoints& points, const Pose
 ScanFrontEnd::Judged ScanFrontEnd::search(const SurfacePoints& points, const Pose2& prediction, double extent,
                                           double turn) const {
   constexpr double keep = 0.85;  // of the best value, else a candidate is not refined
-  const SearchWindow window{.map_from_robot = prediction, .half_extent = extent, .half_turn = turn, .candidates = 4};
+  const SearchWindow window{
+      .map_from_robot = prediction, .half_extent = extent, .half_turn = turn, .candidates = 4, .keep = keep};
   const std::vector<WindowPose> candidates = search_window(map_, std::span(&points, 1), window);
   Judged best;
   for (const WindowPose& candidate : candidates) {
@@ -84,21 +85,32 @@ ScanFrontEnd::Judged ScanFrontEnd::search(const SurfacePoints& points, const Pos
   return best;
 }
 
+void ScanFrontEnd::extract_keypoints(SlamScan& scan) {
+  if (!scan.keypoints.x.empty() || scan.scan.ranges.empty()) { return; }
+  scan.features = extractor_.extract(scan.scan);
+  scan.keypoints = table_of(scan.features.keypoints);
+}
+
 /// The best of the poses that the keypoints of the last scans give.
 ScanFrontEnd::Judged ScanFrontEnd::match_keypoints(const SlamScan& scan, const Pose2& prediction) {
   constexpr std::size_t most = 6;  // scans
   Judged best;
-  if (scan.keypoints.x.empty()) { return best; }
-  matcher_.set_query(scan.columns());
+  if (params_.front_end != FrontEndKind::automatic) { return best; }
+  SlamScan query{.scan = scan.scan};
+  extract_keypoints(query);
+  if (query.keypoints.x.empty()) { return best; }
+  matcher_.set_query(query.columns());
   const std::size_t count = std::min(most, map_scans_.size());
   for (std::size_t k = 0; k < count; ++k) {
-    const MapScan& earlier = map_scans_[map_scans_.size() - 1 - k];
+    MapScan& earlier = map_scans_[map_scans_.size() - 1 - k];
+    extract_keypoints(earlier.scan);
     if (earlier.scan.keypoints.x.empty()) { continue; }
     const auto found = matcher_.align(earlier.scan.columns());
     if (!found) { continue; }
     const Pose2 local_from_sensor =
         earlier.local_from_robot * earlier.scan.scan.robot_from_sensor * found->reference_from_query;
-    const Judged judged = judge(scan.points, local_from_sensor * inverse(scan.scan.robot_from_sensor), prediction);
+    const Pose2 local_from_robot = local_from_sensor * inverse(scan.scan.robot_from_sensor);
+    const Judged judged = judge(scan.points, local_from_robot, prediction);
     if (judged.score > best.score) { best = judged; }
   }
   return best;
@@ -216,7 +228,8 @@ void ScanFrontEnd::keep_prediction(Judged& found, const Pose2& prediction, Point
 ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
   ScanMotion motion;
   if (recent_.empty()) {
-    remember(scan, {});
+    // Cells of the local map lie differently for another start, as they would for another run.
+    remember(scan, {params_.start_x, params_.start_y, params_.start_theta});
     return motion;
   }
   const Pose2 prediction = predicted(scan);

@@ -1,6 +1,7 @@
 // flirt/slam/scan_front_end.hpp: each scan against the accumulated map of the last metres.
 #pragma once
 
+#include "flirt/features/extract.hpp"
 #include "flirt/match/pair_matcher.hpp"
 #include "flirt/registration/local_map.hpp"
 #include "flirt/registration/surface_alignment.hpp"
@@ -16,8 +17,8 @@
 namespace flirt {
 
 /// Correlative search around the predicted pose in a local map of the last scans, each candidate drawn onto its walls
-/// and judged by all its beams; wide search when that does not convince (Olson 2009; Konolige and others 2010). Scans
-/// with keypoints are then also matched with the last scans by these, however far the robot moved.
+/// and judged by all its beams; wide search when that does not convince (Olson 2009; Konolige and others 2010). As
+/// `automatic`, it then also matches keypoints with those of the last scans, however far the robot moved.
 class ScanFrontEnd {
  public:
   explicit ScanFrontEnd(const SlamParams& params)
@@ -42,6 +43,7 @@ class ScanFrontEnd {
   [[nodiscard]] bool uses_odometry(const SlamScan& scan) const;
   [[nodiscard]] Judged judge(const SurfacePoints& points, const Pose2& start, const Pose2& prediction) const;
   [[nodiscard]] Judged search(const SurfacePoints& points, const Pose2& prediction, double extent, double turn) const;
+  void extract_keypoints(SlamScan& scan);
   [[nodiscard]] Judged match_keypoints(const SlamScan& scan, const Pose2& prediction);
   [[nodiscard]] double wide_extent() const;
   [[nodiscard]] std::pair<Judged, MotionSource> best_pose(const SlamScan& scan, const Pose2& prediction);
@@ -56,6 +58,7 @@ class ScanFrontEnd {
   SlamParams params_;
   LocalMap map_{};
   std::deque<MapScan> map_scans_{};
+  FeatureExtractor extractor_{};
   PairMatcher matcher_;
   std::deque<double> steps_{};   ///< m, of the last motions found
   std::vector<Pose2> recent_{};  ///< local_from_robot of the last four scans

@@ -32,7 +32,8 @@ bool agree(const Answer& one, const Answer& other, std::span<const Pose2> run_fr
 
 std::vector<Answer> answers(const SessionView& earlier, const SessionView& run, SessionJoin& summary) {
   GlobalPlaces places;
-  places.update(earlier.scans, earlier.graph.map_from_node, earlier.scans.size());
+  static_cast<void>(
+      places.update(earlier.scans, earlier.graph.map_from_node, earlier.scans.size(), earlier.scans.size() + 1));
   const std::vector<Pose2>& poses = run.graph.map_from_node;
   std::vector<Answer> found;
   double travel = 0;

@@ -34,7 +34,7 @@ struct Slam::State {
   [[nodiscard]] SlamScan prepared(const Scan& scan) {
     SlamScan kept{.points = surface_points(scan, params.points), .odom_from_robot = scan.odom_from_robot, .scan = scan};
     if (kept.odom_from_robot && !is_finite(*kept.odom_from_robot)) { kept.odom_from_robot.reset(); }
-    if (uses_keypoints(params.front_end)) {
+    if (needs_keypoints(params.front_end)) {
       kept.features = extractor.extract(scan);
       kept.keypoints = table_of(kept.features.keypoints);
     }
