@@ -29,5 +29,35 @@ TEST(ScanPoints, OfHalfATurnMayEndWhereTheyBegan) {
   EXPECT_EQ(scan_points(scan).size(), 4U);
 }
 
+/// A room with a square post of a side, its middle at (4, 2.5), and how many points of a scan from beside it lie on it.
+std::size_t points_on_post(double side, const ScanPointParams& params = {}, Point2 sensor = {2.5, 2.4}) {
+  auto walls = rooms::outline({{0, 0}, {8, 0}, {8, 5}, {0, 5}});
+  const double half = side / 2;
+  for (const rooms::Wall& wall : rooms::outline(
+           {{4 - half, 2.5 - half}, {4 + half, 2.5 - half}, {4 + half, 2.5 + half}, {4 - half, 2.5 + half}})) {
+    walls.push_back(wall);
+  }
+  const ScanPoints points = scan_points(rooms::scan_of(walls, {sensor.x, sensor.y, 0}, 3), params);
+  std::size_t on_post = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Point2 in_room{sensor.x + points.x[i], sensor.y + points.y[i]};
+    on_post += norm(in_room - Point2{4, 2.5}) < side ? 1 : 0;
+  }
+  return on_post;
+}
+
+TEST(ScanPoints, LegsAreLeftOut) {
+  EXPECT_EQ(points_on_post(0.12), 0U);
+  EXPECT_GT(points_on_post(0.12, {.leg_width = 0}), 0U);
+}
+
+TEST(ScanPoints, WhatIsWiderThanALegStays) {
+  EXPECT_GT(points_on_post(0.4), 2U);
+}
+
+TEST(ScanPoints, WhatStandsCloseToAWallStays) {
+  EXPECT_GT(points_on_post(0.12, {.leg_gap = 5}), 0U);
+}
+
 }  // namespace
 }  // namespace flirt
