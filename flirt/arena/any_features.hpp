@@ -18,6 +18,11 @@ namespace flirt {
 using AnyDetectorParams = std::variant<DetectorParams, FalkoParams, OrthogonalCornerParams>;
 using AnyDescriptorParams = std::variant<DescriptorParams, BscParams, CghParams>;
 
+struct AnyFeatureParams {
+  AnyDetectorParams detector{};
+  AnyDescriptorParams descriptor{};
+};
+
 struct NamedDetector {
   std::string name{};
   AnyDetectorParams params{};
@@ -53,6 +58,21 @@ class AnyDescriber {
 
  private:
   std::variant<Describer, BscParams, CghParams> method_;
+};
+
+/// One per thread.
+class AnyExtractor {
+ public:
+  explicit AnyExtractor(const AnyFeatureParams& params) : detector_(params.detector), describer_(params.descriptor) {}
+  [[nodiscard]] Features extract(const Scan& scan) {
+    Features features{detector_.detect(scan), {}};
+    features.descriptors = describer_.describe(scan, features.keypoints);
+    return features;
+  }
+
+ private:
+  AnyDetector detector_;
+  AnyDescriber describer_;
 };
 
 }  // namespace flirt
