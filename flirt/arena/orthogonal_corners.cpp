@@ -124,6 +124,7 @@ std::vector<Keypoint> detect_orthogonal_corners(const Scan& scan, const Orthogon
   const Pose2 sensor_from_walls{0, 0, main_direction(polar, params)};
   const Pose2 walls_from_sensor = inverse(sensor_from_walls);
   std::vector<Point2> in_walls;
+  in_walls.reserve(polar.size());
   for (const Point2 point : polar.points) { in_walls.push_back(walls_from_sensor * point); }
 
   std::vector<Corner> corners(polar.size());

@@ -43,7 +43,7 @@ class Arena(unittest.TestCase):
         out = self.work / "results"
         done = self.arena("-o", out, "--json", self.work / "a.json", "--threads", 1)
         self.assertEqual(done.returncode, 0, done.stderr)
-        rows = list(csv.DictReader((out / "contenders.csv").open()))
+        rows = list(csv.DictReader((out / "contenders.csv").read_text().splitlines()))
         self.assertEqual([(row["detector"], row["descriptor"], row["matcher"]) for row in rows],
                          [("curvature", "beta-grid", "ransac"), ("falko", "cgh", "ransac"), ("falko", "cgh", "clique"), ("falko", "cgh", "hough"),
                           ("falko", "none", "clique"), ("falko", "none", "hough"), ("none", "none", "beams")])
@@ -71,6 +71,18 @@ class Arena(unittest.TestCase):
         self.assertEqual(done.returncode, 1)
         self.assertIn("sift", done.stderr)
         self.assertFalse(out.exists())
+
+    def test_scans_without_any_return_are_answered_by_nobody(self):
+        log = self.work / "empty.log"
+        readings = " ".join(["81.91"] * 180)
+        log.write_text("".join(f"FLASER 180 {readings} {i}.0 0 0 {i}.0 0 0 {i} host {i}\n" for i in range(4)))
+        done = run("bench", "arena", log, "--json", "-", "--quiet", "--detectors", "falko,oc", "--descriptors", "bsc,cgh,none")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        result = json.loads(done.stdout)
+        self.assertEqual(result["queries"], 4)
+        for row in result["contenders"]:
+            self.assertEqual(row["paper"], 0, row)
+            self.assertEqual(row["keypoints"], 0, row)
 
     def test_rivals_join_the_bench_of_detectors(self):
         arguments = ("bench", "detectors", self.log, "--locations", 1, "--partners", 1, "--json", "-", "--quiet")
