@@ -226,6 +226,7 @@ int run(Options& options, const Session& session) {
 template <class Named>
 std::vector<std::string> names_of(const std::vector<Named>& list) {
   std::vector<std::string> names;
+  names.reserve(list.size());
   for (const Named& named : list) { names.push_back(named.name); }
   return names;
 }

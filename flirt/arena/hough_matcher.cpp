@@ -92,6 +92,7 @@ std::uint32_t votes_of(const std::vector<IndexPair>& pairs) {
 /// No point twice, nearest pairs first; in order of the query.
 std::vector<IndexPair> one_to_one(const PointSets& points, const std::vector<IndexPair>& pairs, const Pose2& motion) {
   std::vector<std::pair<double, std::size_t>> order;
+  order.reserve(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) { order.emplace_back(residual_of(points, pairs[i], motion), i); }
   std::ranges::sort(order);
   std::vector<IndexPair> kept;
