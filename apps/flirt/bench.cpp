@@ -10,6 +10,7 @@ void add_bench(CLI::App& program, Session& session) {
   add_bench_detectors(*bench, session);
   add_bench_descriptors(*bench, session);
   add_bench_ablation(*bench, session);
+  add_bench_arena(*bench, session);
   add_bench_localization(*bench, session);
   add_bench_tracking(*bench, session);
   add_bench_optimizers(*bench, session);

@@ -21,6 +21,7 @@ constexpr std::size_t bootstrap_draw_count = 500;
 struct Options {
   LocationFlags locations;
   std::string out;
+  bool rivals{false};
   DescriptorBenchParams bench;
 };
 
@@ -210,7 +211,12 @@ int run(Options& options, const Session& session) {
                              progress_bar(session, label));
   };
   const DescriptorBench papers = bench(paper_combinations(), "combinations");
-  const DescriptorBench variants = bench(descriptor_variants(), "variants");
+  std::vector<FeatureMethod> others = descriptor_variants();
+  if (options.rivals) {
+    const std::vector<FeatureMethod> rivals = rival_combinations();
+    others.insert(others.end(), rivals.begin() + 2, rivals.end());  // ours on our keypoints are there
+  }
+  const DescriptorBench variants = bench(others, "variants");
   const Table ranking = ranking_table("ranking", "Average precision of the papers' combinations", papers, session);
   const Table variant_ranking =
       ranking_table("variants", "Average precision of other descriptors and distances", variants, session);
@@ -242,6 +248,8 @@ void add_bench_descriptors(CLI::App& bench, Session& session) {
                                   "Fig. 7).",
                                   "flirt bench descriptors fr079.log.gz intel.log.gz csail.log.gz -o results");
   options->locations.add(*command, options->bench.transforms.partners);
+  command->add_flag("--rivals", options->rivals,
+                    "BSC and CGH, and FALKO and OC keypoints, among the other descriptors");
   command->add_option("-o,--output", options->out, "folder for report.html, tables (CSV, JSON) and figures (SVG)");
   session.on(command, [&session, options] { return run(*options, session); });
 }

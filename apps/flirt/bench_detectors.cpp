@@ -16,6 +16,7 @@ namespace {
 struct Options {
   LocationFlags locations;
   std::string out;
+  bool rivals{false};
   DetectorBenchParams bench;
 };
 
@@ -189,8 +190,9 @@ int run(Options& options, const Session& session) {
     return Selection{label, bench_detectors(reference.logs, reference.locations, variants, options.bench,
                                             session.threads, progress_bar(session, label))};
   };
-  const std::vector<Selection> selections{bench(detectors_as_printed(), "as printed"),
-                                          bench(default_detectors(), "default")};
+  const std::vector<Selection> selections{
+      bench(detectors_as_printed(), "as printed"),
+      bench(options.rivals ? detectors_with_rivals() : default_detectors(), "default")};
   const Table curves = curves_table(selections, session.seed);
   const Table summary = summary_table(selections, session.seed);
   const nlohmann::ordered_json json = bench_json(options, session, reference, curves, summary);
@@ -213,6 +215,7 @@ void add_bench_detectors(CLI::App& bench, Session& session) {
   options->locations.add(*command, options->bench.transforms.partners);
   command->add_option("--common-radius", options->bench.common_radius, "m, of the common regions (default 0.5)")
       ->check(CLI::Range(0.01, 10.0));
+  command->add_flag("--rivals", options->rivals, "FALKO and OC as well, among the defaults");
   command->add_option("-o,--output", options->out, "folder for report.html, tables (CSV, JSON) and figures (SVG)");
   session.on(command, [&session, options] { return run(*options, session); });
 }

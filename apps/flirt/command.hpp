@@ -101,6 +101,7 @@ void add_bench_slam(CLI::App& bench, Session& session);
 void add_bench_detectors(CLI::App& bench, Session& session);
 void add_bench_descriptors(CLI::App& bench, Session& session);
 void add_bench_ablation(CLI::App& bench, Session& session);
+void add_bench_arena(CLI::App& bench, Session& session);
 void add_bench_speed(CLI::App& bench, Session& session);
 
 }  // namespace flirt::app

@@ -46,8 +46,7 @@ void add_case(const Features& reference, const Features& other, const TransformC
 /// Returns the pairs of scans by transform.
 std::array<std::size_t, transform_count> run_location(const ScanLog& log, std::size_t l,
                                                       const DescriptorBenchParams& params,
-                                                      std::vector<FeatureExtractor>& extractors,
-                                                      DescriptorBench& bench) {
+                                                      std::vector<AnyExtractor>& extractors, DescriptorBench& bench) {
   const Scan& scan = log.scans[bench.locations[l].scan];
   const std::vector<TransformCase> cases = cases_of(log, bench.locations[l], params.conditions, params.transforms);
   std::array<std::size_t, transform_count> scans{};
@@ -112,6 +111,17 @@ std::vector<FeatureMethod> descriptor_variants() {
           {"curvature", "shape-context, radius 2t", {curvature, proportional_context}}};
 }
 
+std::vector<FeatureMethod> rival_combinations() {
+  std::vector<FeatureMethod> methods;
+  for (const NamedDetector& detector : all_detectors()) {
+    if (detector.name != "curvature" && detector.name != "falko" && detector.name != "oc") { continue; }
+    for (const NamedDescriptor& descriptor : all_descriptors()) {
+      methods.push_back({detector.name, descriptor.name, {detector.params, descriptor.params}});
+    }
+  }
+  return methods;
+}
+
 DescriptorBench bench_descriptors(std::span<const ScanLog> logs, std::span<const Location> locations,
                                   const std::vector<FeatureMethod>& methods, const DescriptorBenchParams& params,
                                   std::size_t threads, const Progress& progress) {
@@ -120,7 +130,7 @@ DescriptorBench bench_descriptors(std::span<const ScanLog> logs, std::span<const
     for (const Distance distance : methods[m].distances) { bench.entries.push_back({m, distance}); }
   }
   bench.counts.resize(bench.entries.size() * 4 * transform_count * locations.size());
-  std::vector<std::vector<FeatureExtractor>> extractors(thread_count(threads));
+  std::vector<std::vector<AnyExtractor>> extractors(thread_count(threads));
   for (auto& own : extractors) {
     for (const FeatureMethod& method : methods) { own.emplace_back(method.features); }
   }

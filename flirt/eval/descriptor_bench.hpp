@@ -1,10 +1,10 @@
 // flirt/eval/descriptor_bench.hpp: how well descriptors tell the same place from others (P2 §IV-C, Fig. 7).
 #pragma once
 
+#include "flirt/arena/any_features.hpp"
 #include "flirt/eval/bootstrap.hpp"
 #include "flirt/eval/matching_counts.hpp"
 #include "flirt/eval/transform_cases.hpp"
-#include "flirt/features/extract.hpp"
 
 #include <array>
 #include <cstddef>
@@ -18,7 +18,7 @@ namespace flirt {
 struct FeatureMethod {
   std::string detector{};
   std::string descriptor{};
-  FeatureParams features{};
+  AnyFeatureParams features{};
   std::vector<Distance> distances{Distance::chi_square};
 };
 
@@ -27,6 +27,9 @@ struct FeatureMethod {
 /// Curvature keypoints with other β-grids (raw ratio, radius in proportion to the scale or 1 m, no-return as free
 /// space), both descriptors with every distance, and the raw ratio with all detectors. The papers' choice comes first.
 [[nodiscard]] std::vector<FeatureMethod> descriptor_variants();
+
+/// Curvature, FALKO and OC keypoints, each with our descriptors and the rivals'.
+[[nodiscard]] std::vector<FeatureMethod> rival_combinations();
 
 struct DescriptorBenchParams {
   TransformParams transforms{.partners = 20};

@@ -19,7 +19,7 @@ class Detectors {
  public:
   explicit Detectors(const std::vector<DetectorVariant>& variants) {
     for (const DetectorVariant& variant : variants) {
-      detectors_.push_back(variant.params ? std::optional<Detector>(*variant.params) : std::nullopt);
+      detectors_.push_back(variant.params ? std::optional<AnyDetector>(*variant.params) : std::nullopt);
       chance_of_.push_back(variant.chance_of);
     }
   }
@@ -29,8 +29,7 @@ class Detectors {
     std::vector<std::vector<Keypoint>> lists;
     for (std::size_t v = 0; v < detectors_.size(); ++v) {
       if (detectors_[v]) {
-        const std::span<const Keypoint> found = detectors_[v]->detect(scan);
-        lists.emplace_back(found.begin(), found.end());
+        lists.push_back(detectors_[v]->detect(scan));
       } else {
         FLIRT_ASSERT(chance_of_[v] < v);
         lists.push_back(moved_at_random(lists[chance_of_[v]], scan, seed, stream));
@@ -52,7 +51,7 @@ class Detectors {
     return keypoints;
   }
 
-  std::vector<std::optional<Detector>> detectors_;
+  std::vector<std::optional<AnyDetector>> detectors_;
   std::vector<std::size_t> chance_of_;
 };
 
@@ -91,15 +90,21 @@ std::vector<DetectorVariant> default_detectors() {
 std::vector<DetectorVariant> detectors_as_printed() {
   std::vector<DetectorVariant> variants = default_detectors();
   for (DetectorVariant& variant : variants) {
-    if (variant.params) {
+    if (auto* ours = variant.params ? std::get_if<DetectorParams>(&*variant.params) : nullptr) {
       std::visit(
           [](auto& params) {
             params.selection.duplicate_radius = 0;
             params.selection.foreground_shift = false;
           },
-          *variant.params);
+          *ours);
     }
   }
+  return variants;
+}
+
+std::vector<DetectorVariant> detectors_with_rivals() {
+  std::vector<DetectorVariant> variants = default_detectors();
+  for (const NamedDetector& rival : rival_detectors()) { variants.push_back({rival.name, rival.params}); }
   return variants;
 }
 

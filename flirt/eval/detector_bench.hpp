@@ -1,10 +1,10 @@
 // flirt/eval/detector_bench.hpp: how often detectors find the same places again (P2 §IV-B, Fig. 6).
 #pragma once
 
+#include "flirt/arena/any_features.hpp"
 #include "flirt/eval/bootstrap.hpp"
 #include "flirt/eval/repeatability.hpp"
 #include "flirt/eval/transform_cases.hpp"
-#include "flirt/features/detect.hpp"
 
 #include <cstddef>
 #include <optional>
@@ -19,7 +19,7 @@ struct DetectorVariant {
   std::string name{};
   /// Nothing: the level of chance; the keypoints of variant `chance_of` with their regions, but each moved to a hit
   /// drawn at random, in each scan anew.
-  std::optional<DetectorParams> params{};
+  std::optional<AnyDetectorParams> params{};
   std::size_t chance_of{0};  ///< an earlier variant
 };
 
@@ -27,6 +27,9 @@ struct DetectorVariant {
 [[nodiscard]] std::vector<DetectorVariant> default_detectors();
 /// The same as the papers print them: every detection of every scale is an interest point, and stays where it is.
 [[nodiscard]] std::vector<DetectorVariant> detectors_as_printed();
+
+/// The default ones, then those of flirt/arena/.
+[[nodiscard]] std::vector<DetectorVariant> detectors_with_rivals();
 
 struct DetectorBenchParams {
   TransformParams transforms{};

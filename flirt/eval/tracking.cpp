@@ -2,21 +2,14 @@
 
 #include "flirt/core/assert.hpp"
 #include "flirt/core/rng.hpp"
+#include "flirt/eval/cpu_time.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <numeric>
 
 namespace flirt {
 namespace {
-
-/// Of the calling thread alone, so that other drives and other people's work don't count.
-double thread_cpu_us() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) * 1e6 + static_cast<double>(now.tv_nsec) / 1e3;
-}
 
 /// The drive from `begin`, with what is within `around` m of travel removed; nothing where the log ends before.
 std::optional<DrivePart> part_from(std::size_t begin, std::span<const double> lengths, double length, double around) {
