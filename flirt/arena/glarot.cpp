@@ -9,15 +9,15 @@
 namespace flirt {
 namespace {
 
-constexpr int kernel_reach = 3;  // bins, of standard deviation 1
+constexpr std::ptrdiff_t kernel_reach = 3;  // bins, of standard deviation 1
 
 /// The Gaussian of all offsets, u by v.
 std::array<std::array<double, 2 * kernel_reach + 1>, 2 * kernel_reach + 1> kernel() {
   std::array<std::array<double, 2 * kernel_reach + 1>, 2 * kernel_reach + 1> values{};
-  for (int u = -kernel_reach; u <= kernel_reach; ++u) {
-    for (int v = -kernel_reach; v <= kernel_reach; ++v) {
+  for (std::ptrdiff_t u = -kernel_reach; u <= kernel_reach; ++u) {
+    for (std::ptrdiff_t v = -kernel_reach; v <= kernel_reach; ++v) {
       values[static_cast<std::size_t>(u + kernel_reach)][static_cast<std::size_t>(v + kernel_reach)] =
-          std::exp(-(u * u + v * v) / 2.0);
+          std::exp(-static_cast<double>(u * u + v * v) / 2);
     }
   }
   return values;
@@ -45,22 +45,22 @@ double distance_at(const GlarotSignature& a, const GlarotSignature& b, std::uint
 GlarotSignature glarot_signature(std::span<const Point2> keypoints, const GlarotParams& params) {
   GlarotSignature signature{.directions = params.directions, .distances = params.distances};
   if (keypoints.size() < params.min_keypoints) { return signature; }
-  const auto directions = static_cast<int>(params.directions);
-  const auto distances = static_cast<int>(params.distances);
+  const auto directions = static_cast<std::ptrdiff_t>(params.directions);
+  const auto distances = static_cast<std::ptrdiff_t>(params.distances);
   std::vector<double> bins(std::size_t{params.directions} * params.distances);
   const auto weights = kernel();
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
     for (std::size_t j = i + 1; j < keypoints.size(); ++j) {
       const Point2 along = keypoints[j] - keypoints[i];
       const double bin = std::round(norm(along) / params.distance_step);
-      if (!(bin < distances)) { continue; }
+      if (!(bin < params.distances)) { continue; }
       double direction = std::atan2(along.y, along.x);
       if (direction < 0) { direction += std::numbers::pi; }
-      const int u = static_cast<int>(std::lround(direction * directions / std::numbers::pi)) % directions;
-      const int v = static_cast<int>(bin);
-      for (int du = -kernel_reach; du <= kernel_reach; ++du) {
-        const int row = (((u + du) % directions) + directions) % directions;
-        for (int dv = std::max(-kernel_reach, -v); dv <= kernel_reach && v + dv < distances; ++dv) {
+      const std::ptrdiff_t u = std::lround(direction * params.directions / std::numbers::pi) % directions;
+      const auto v = static_cast<std::ptrdiff_t>(bin);
+      for (std::ptrdiff_t du = -kernel_reach; du <= kernel_reach; ++du) {
+        const std::ptrdiff_t row = (((u + du) % directions) + directions) % directions;
+        for (std::ptrdiff_t dv = std::max(-kernel_reach, -v); dv <= kernel_reach && v + dv < distances; ++dv) {
           bins[static_cast<std::size_t>(row * distances + v + dv)] +=
               weights[static_cast<std::size_t>(du + kernel_reach)][static_cast<std::size_t>(dv + kernel_reach)];
         }

@@ -24,8 +24,8 @@ struct GlarotParams {
 template <class Params, class Visitor>
   requires std::same_as<std::remove_const_t<Params>, GlarotParams>
 void visit_fields(Params& params, Visitor&& visit) {
-  visit(params.directions, Field{"directions", "", "bins over half a turn", 1, 256});
-  visit(params.distances, Field{"distances", "", "bins", 1, 10000});
+  visit(params.directions, Field{"directions", "", "bins over half a turn", 1, 64});
+  visit(params.distances, Field{"distances", "", "bins", 1, 1000});
   visit(params.distance_step, Field{"distance_step", "m", "of a bin", 1e-3, 10.0});
   visit(params.min_keypoints, Field{"min_keypoints", "", "fewer have no signature", 0, 1e6});
 }

@@ -25,9 +25,9 @@ struct HoughParams {
 template <class Params, class Visitor>
   requires std::same_as<std::remove_const_t<Params>, HoughParams>
 void visit_fields(Params& params, Visitor&& visit) {
-  visit(params.cell, Field{"cell", "m", "of both coordinates of the motion", 1e-3, 10.0});
+  visit(params.cell, Field{"cell", "m", "of both coordinates of the motion", 0.02, 10.0});
   visit(params.turn_step, Field{"turn_step", "rad", "of the motion", 1e-3, 1.0});
-  visit(params.shift_max, Field{"shift_max", "m", "motions reach less than this along either axis", 0.01, 1e3});
+  visit(params.shift_max, Field{"shift_max", "m", "motions reach less than this along either axis", 0.1, 50.0});
   visit(params.turn_max, Field{"turn_max", "rad", "motions turn by this at most", 0.0, std::numbers::pi});
   visit(params.min_votes, Field{"min_votes", "", "fewer are no match", 2.0, 1e6});
 }

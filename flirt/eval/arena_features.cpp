@@ -58,6 +58,7 @@ DetectedLog detect_all(const ScanLog& log, const NamedDetector& named, const Are
                        const ArenaParams& params, std::size_t threads) {
   DetectedLog detected{.keypoints = std::vector<std::vector<Keypoint>>(log.scans.size())};
   std::vector<AnyDetector> detectors;
+  detectors.reserve(thread_count(threads));
   for (std::size_t t = 0; t < thread_count(threads); ++t) { detectors.emplace_back(named.params); }
   std::vector<double> times(log.scans.size());
   parallel_for(log.scans.size(), threads, [&](std::size_t i, std::size_t thread) {
@@ -90,6 +91,7 @@ DescribedLog describe_all(const ScanLog& log, const DetectedLog& detected, const
                           const ArenaQueries& queries, const ArenaParams& params, std::size_t threads) {
   DescribedLog described{.scans = std::vector<ArenaScan>(log.scans.size())};
   std::vector<AnyDescriber> describers;
+  describers.reserve(thread_count(threads));
   if (named) {
     for (std::size_t t = 0; t < thread_count(threads); ++t) { describers.emplace_back(named->params); }
   }

@@ -14,6 +14,7 @@ constexpr std::size_t never = std::numeric_limits<std::size_t>::max();
 
 std::vector<Point2> positions_of(std::span<const Keypoint> keypoints) {
   std::vector<Point2> points;
+  points.reserve(keypoints.size());
   for (const Keypoint& keypoint : keypoints) { points.push_back(keypoint.sensor_from_keypoint.translation()); }
   return points;
 }
@@ -27,6 +28,7 @@ std::vector<std::size_t> ranking(std::span<const GlarotSignature> signatures, st
   }
   std::ranges::sort(order);
   std::vector<std::size_t> ranked;
+  ranked.reserve(order.size());
   for (const auto& [apart, i] : order) { ranked.push_back(i); }
   return ranked;
 }
@@ -51,6 +53,7 @@ ShortlistResult bench_shortlist(const std::string& detector, const ScanLog& log,
   ShortlistResult result{.detector = detector};
   const auto scans = static_cast<double>(std::max<std::size_t>(1, keypoints.size()));
   std::vector<GlarotSignature> signatures;
+  signatures.reserve(keypoints.size());
   const double start = thread_cpu_us();
   for (const auto& own : keypoints) { signatures.push_back(glarot_signature(positions_of(own), params.glarot)); }
   result.build_us = (thread_cpu_us() - start) / scans;
