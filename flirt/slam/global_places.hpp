@@ -21,6 +21,8 @@ struct FoundPlace {
 /// The evidence of some scans, kept from query to query; scans that the graph moved are taken out and put in anew.
 class GlobalPlaces {
  public:
+  GlobalPlaces();
+
   /// The map becomes that of the first `earlier` scans; at most `most` of them are placed in one call, and true says
   /// that all are. O(scans + what changed).
   [[nodiscard]] bool update(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, std::size_t earlier,
