@@ -28,7 +28,7 @@ void refresh_peaks(CoarseField& field, CellIndex min, CellIndex max) {
     const auto tile_y = static_cast<std::size_t>(y + CoarseField::panel_height) / side;
     const auto phase_y = static_cast<std::size_t>(y + CoarseField::panel_height) % side;
     for (std::int32_t i = 0; i < columns; ++i) {
-      const auto x = static_cast<std::size_t>(first_x + i + CoarseField::panel_width);
+      const auto x = static_cast<std::size_t>(first_x + CoarseField::panel_width) + static_cast<std::size_t>(i);
       const std::size_t phase = phase_y * side + x % side;
       const auto at = row.begin() + i;
       field.peaks[phase * phase_size + tile_y * stride + x / side] = *std::max_element(at, at + side);

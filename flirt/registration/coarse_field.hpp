@@ -23,9 +23,9 @@ struct CoarseField {
   static constexpr std::int32_t panel_rows = 4;                            ///< pairs
   static constexpr std::int32_t panel_width = panel_columns * pair_width;  ///< cells
   static constexpr std::int32_t panel_height = panel_rows * tile_side;     ///< cells
-  static constexpr std::size_t panel_pairs = panel_columns * panel_rows;
-  static constexpr std::size_t pair_cells = pair_width * tile_side;
-  static constexpr std::size_t phases = tile_side * tile_side;
+  static constexpr std::size_t panel_pairs = row_offset(0, panel_rows, panel_columns);
+  static constexpr std::size_t pair_cells = row_offset(0, tile_side, pair_width);
+  static constexpr std::size_t phases = row_offset(0, tile_side, tile_side);
 
   /// Values of the cells (x, y) .. (x, y + 3): eight of them are a pair of tiles at any shift.
   using Quad = std::array<std::uint8_t, tile_side>;

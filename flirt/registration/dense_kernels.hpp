@@ -15,7 +15,7 @@ namespace flirt::dense {
 /// End points turned to one heading, as steps in coarse cells, split for the peaks.
 class Steps {
  public:
-  Steps(const CoarseField& field, std::size_t count);
+  Steps(const CoarseField& coarse, std::size_t points);
   void set(std::size_t i, std::int32_t dx, std::int32_t dy);
 
   const CoarseField* field;

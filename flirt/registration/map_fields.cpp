@@ -144,7 +144,7 @@ const std::shared_ptr<const MapTile>* find_tile(const MapFields& before, CellInd
   const std::int32_t x = tile.x - before.first_tile.x;
   const std::int32_t y = tile.y - before.first_tile.y;
   if (x < 0 || y < 0 || x >= before.columns || y >= before.rows) { return nullptr; }
-  const auto& found = before.tiles[static_cast<std::size_t>(y * before.columns + x)];
+  const auto& found = before.tiles[row_offset(x, y, before.columns)];
   return found ? &found : nullptr;
 }
 
@@ -189,7 +189,7 @@ MapFields updated_fields(const MapFields& before, const EvidenceGrid& grid) {
   for (std::int32_t y = 0; y < fields.rows; ++y) {
     for (std::int32_t x = 0; x < fields.columns; ++x) {
       const auto* const old = find_tile(before, {fields.first_tile.x + x, fields.first_tile.y + y});
-      auto& tile = fields.tiles[static_cast<std::size_t>(y * fields.columns + x)];
+      auto& tile = fields.tiles[row_offset(x, y, fields.columns)];
       const auto around = surroundings_of(table, x, y, reach);
       if (around && old != nullptr && (*old)->sources == sources_of(*around)) {
         tile = *old;

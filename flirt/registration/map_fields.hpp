@@ -40,7 +40,7 @@ struct MapFields {
   }
   /// Of a cell in the box.
   [[nodiscard]] std::size_t tile_index(std::int32_t x, std::int32_t y) const {
-    return static_cast<std::size_t>((y / MapTile::side) * columns + x / MapTile::side);
+    return row_offset(x / MapTile::side, y / MapTile::side, columns);
   }
 };
 

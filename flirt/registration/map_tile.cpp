@@ -120,7 +120,7 @@ std::vector<CellOffset> to_occupied(const Window& window, int reach) {
 }
 
 const CellOffset& nearest_at(const std::vector<CellOffset>& nearest, int reach, std::int32_t x, std::int32_t y) {
-  return nearest[static_cast<std::size_t>((y + reach) * (side + 2 * reach) + x + reach)];
+  return nearest[row_offset(x + reach, y + reach, side + 2 * reach)];
 }
 
 void fill_agreement(MapTile& tile, const Window& window, const std::vector<CellOffset>& nearest, int reach) {

@@ -3,6 +3,7 @@
 
 #include "flirt/core/fields.hpp"
 #include "flirt/grid/evidence_grid.hpp"
+#include "flirt/registration/raster.hpp"
 
 #include <array>
 #include <concepts>
@@ -57,7 +58,7 @@ struct Agreement {
 /// tile lies in the map makes no difference.
 struct MapTile {
   static constexpr std::int32_t side = EvidenceGrid::tile_side;  ///< cells
-  static constexpr std::size_t cell_count = side * side;
+  static constexpr std::size_t cell_count = row_offset(0, side, side);
   static constexpr std::uint8_t solid = 255;  ///< `clearance` of a solid cell
   static constexpr std::uint8_t clear = 54;   ///< `clearance` of cells far from anything solid
 
@@ -105,8 +106,7 @@ struct TileSurroundings {
   std::vector<const TileMarks*> marks;
 
   [[nodiscard]] const TileMarks* at(std::int32_t dx, std::int32_t dy) const {
-    const std::int32_t width = 2 * reach + 1;
-    return marks[static_cast<std::size_t>((dy + reach) * width + dx + reach)];
+    return marks[row_offset(dx + reach, dy + reach, 2 * reach + 1)];
   }
 };
 

@@ -7,6 +7,11 @@
 
 namespace flirt {
 
+/// Place of (x, y), neither negative, in rows of `width`.
+[[nodiscard]] constexpr std::size_t row_offset(std::int32_t x, std::int32_t y, std::int32_t width) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+}
+
 /// Square cells, row by row from the lower left corner.
 template <class T>
 struct Raster {
@@ -24,9 +29,7 @@ struct Raster {
     return static_cast<std::uint32_t>(x) < static_cast<std::uint32_t>(width) &&
            static_cast<std::uint32_t>(y) < static_cast<std::uint32_t>(height);
   }
-  [[nodiscard]] std::size_t offset(std::int32_t x, std::int32_t y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-  }
+  [[nodiscard]] std::size_t offset(std::int32_t x, std::int32_t y) const { return row_offset(x, y, width); }
   [[nodiscard]] const T& at(std::int32_t x, std::int32_t y) const { return cells[offset(x, y)]; }
   [[nodiscard]] T& at(std::int32_t x, std::int32_t y) { return cells[offset(x, y)]; }
 };

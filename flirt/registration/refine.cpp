@@ -50,8 +50,10 @@ NormalEquations normal_equations(const MapFields& fields, const ScanPoints& poin
     const std::uint16_t index = tile->line[MapTile::offset(cell_x, cell_y)];
     if (index == 0) { continue; }
     const LinePiece& line = tile->lines[index - 1];
-    const float dx = x - static_cast<float>(cell_x / MapTile::side) * tile_side - line.x;
-    const float dy = y - static_cast<float>(cell_y / MapTile::side) * tile_side - line.y;
+    const std::int32_t tile_x = cell_x / MapTile::side;
+    const std::int32_t tile_y = cell_y / MapTile::side;
+    const float dx = x - static_cast<float>(tile_x) * tile_side - line.x;
+    const float dy = y - static_cast<float>(tile_y) * tile_side - line.y;
     if (before > 0 && points.range[i] > 0) {  // of joined scans no beam is known
       const float share = static_cast<float>(before) / points.range[i];
       if (!is_seen(fields, x - dx - share * lever_x, y - dy - share * lever_y)) { continue; }
