@@ -37,9 +37,9 @@ WindowBounds::WindowBounds(const LocalMap& map, CellIndex middle, std::int32_t r
     : reach_(reach), first_{middle.x - radius - reach, middle.y - radius - reach}, stride_(0) {
   const std::int32_t width = 2 * (radius + reach) + 1;
   const std::int32_t beyond = lanes * tile_side;  // read, but not asked for
-  stride_ = static_cast<std::size_t>((width + beyond + tile_side - 1) / tile_side);
+  stride_ = (static_cast<std::size_t>(width) + beyond + tile_side - 1) / tile_side;
   const std::size_t in_row = stride_ * tile_side;
-  const auto rows = static_cast<std::size_t>(width + tile_side);
+  const auto rows = static_cast<std::size_t>(width) + tile_side;
   largest_.resize(rows * in_row);
   std::array<std::vector<std::uint8_t>, tile_side> newest;
   for (auto& row : newest) { row.assign(in_row + tile_side, 0); }
@@ -57,7 +57,7 @@ WindowBounds::WindowBounds(const LocalMap& map, CellIndex middle, std::int32_t r
 std::vector<std::uint16_t> WindowBounds::of(std::span<const CellIndex> cells) const {
   const std::int32_t count = strips();
   std::vector<std::uint16_t> bounds;
-  bounds.reserve(static_cast<std::size_t>(tile_rows() * count));
+  bounds.reserve(static_cast<std::size_t>(tile_rows()) * static_cast<std::size_t>(count));
   for (std::int32_t row = 0; row < tile_rows(); ++row) {
     const std::int32_t y = tile_side * row - reach_;
     for (std::int32_t strip = 0; strip < count; strip += 2) {

@@ -215,7 +215,8 @@ std::vector<WindowPose> search_window(const LocalMap& map, std::span<const Surfa
   TileMaxima maxima(reach);
   std::vector<Place> places;
   for (std::int32_t heading = -turn_steps; heading <= last; ++heading) {
-    const auto index = static_cast<std::size_t>(heading + turn_steps);
+    const std::int32_t from_first = heading + turn_steps;
+    const auto index = static_cast<std::size_t>(from_first);
     promising.for_each_row(index, [&](std::int32_t x, std::int32_t y) {
       const RowSums sums = row_sums(map, cells[index], x, y);
       promising.raise(maxima.add_row(sums, x, y, heading));

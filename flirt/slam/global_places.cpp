@@ -5,8 +5,6 @@
 
 namespace flirt {
 
-GlobalPlaces::GlobalPlaces() = default;
-
 bool GlobalPlaces::update(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, std::size_t earlier,
                           std::size_t most) {
   constexpr double moved = 0.05;   // m

@@ -21,8 +21,6 @@ struct FoundPlace {
 /// The evidence of some scans, kept from query to query; scans that the graph moved are taken out and put in anew.
 class GlobalPlaces {
  public:
-  GlobalPlaces();
-
   /// The map becomes that of the first `earlier` scans; at most `most` of them are placed in one call, and true says
   /// that all are. O(scans + what changed).
   [[nodiscard]] bool update(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, std::size_t earlier,
@@ -32,9 +30,9 @@ class GlobalPlaces {
   [[nodiscard]] std::optional<FoundPlace> find(const Scan& scan);
 
  private:
-  EvidenceGrid grid_{};
-  std::vector<Pose2> map_from_placed_{};  ///< per node in the grid, of the robot
-  MapFields fields_{};                    ///< of the grid
+  EvidenceGrid grid_{EvidenceGridParams{}};  // spelt out: GCC 12 takes the default argument for uninitialized
+  std::vector<Pose2> map_from_placed_{};     ///< per node in the grid, of the robot
+  MapFields fields_{};                       ///< of the grid
 };
 
 }  // namespace flirt

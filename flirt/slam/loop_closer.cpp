@@ -45,7 +45,7 @@ std::vector<SurfacePoints> LoopCloser::query_scans(std::span<const SlamScan> sca
 }
 
 /// Brings the map of earlier scans up to date: those near the robot, where they are now. False when there are none.
-bool LoopCloser::gather(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, const Pose2& here,
+bool LoopCloser::gather(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, const Pose2& around,
                         double radius) {
   constexpr double moved = 0.03;    // m, a scan that the graph moved more is placed anew
   constexpr double turned = 0.005;  // rad
@@ -53,14 +53,14 @@ bool LoopCloser::gather(std::span<const SlamScan> scans, std::span<const Pose2> 
   const double same_way = radians_from_degrees(30);
   constexpr double slack = 3;  // m, before a scan is dropped again
   std::erase_if(placed_, [&](const Placed& placed) {
-    const bool stays = distance(placed.map_from_node, here) < radius + slack &&
+    const bool stays = distance(placed.map_from_node, around) < radius + slack &&
                        same_place(placed.map_from_node, map_from_node[placed.node], moved, turned);
     if (!stays) { map_.remove(scans[placed.node].points, placed.map_from_node); }
     return !stays;
   });
   for (std::size_t node = 0; node + params_.loop_min_scans < map_from_node.size(); ++node) {
     if (travel_.back() - travel_[node] < params_.loop_min_travel) { break; }
-    if (distance(map_from_node[node], here) >= radius || scans[node].points.size() == 0) { continue; }
+    if (distance(map_from_node[node], around) >= radius || scans[node].points.size() == 0) { continue; }
     const bool known = std::ranges::any_of(placed_, [&](const Placed& placed) {
       return placed.node == node || same_place(placed.map_from_node, map_from_node[node], spacing, same_way);
     });

@@ -13,7 +13,7 @@ namespace {
 
 using testing::Each;
 
-const std::vector<Point2> five{{0, 0}, {4.03, 0.2}, {0.3, 3}, {5.5, 6.13}, {-2.3, 1.7}};
+const std::vector<Point2> signed_points{{0, 0}, {4.03, 0.2}, {0.3, 3}, {5.5, 6.13}, {-2.3, 1.7}};
 const GlarotParams any_count{.min_keypoints = 0};
 
 GlarotDistance between(const std::vector<Point2>& a, const std::vector<Point2>& b) {
@@ -43,34 +43,34 @@ TEST(Glarot, TellsLengthsApart) {
 }
 
 TEST(Glarot, IsInvariantUnderTurnsByItsBinsAndShiftsAndOrder) {
-  const GlarotDistance turned = between(five, moved(five, {7, -3, std::numbers::pi / 8}));
+  const GlarotDistance turned = between(signed_points, moved(signed_points, {7, -3, std::numbers::pi / 8}));
   EXPECT_NEAR(turned.value, 0, 1e-5);
   EXPECT_NEAR(turned.turn, std::numbers::pi / 8, 1e-12);
-  const GlarotDistance half_turn = between(five, moved(five, {0, 0, std::numbers::pi}));
+  const GlarotDistance half_turn = between(signed_points, moved(signed_points, {0, 0, std::numbers::pi}));
   EXPECT_NEAR(half_turn.value, 0, 1e-5);
   EXPECT_EQ(half_turn.turn, 0);
-  std::vector<Point2> reversed = five;
+  std::vector<Point2> reversed = signed_points;
   std::ranges::reverse(reversed);
-  EXPECT_NEAR(between(five, reversed).value, 0, 1e-5);
+  EXPECT_NEAR(between(signed_points, reversed).value, 0, 1e-5);
 }
 
 TEST(Glarot, GrowsWithWhatIsDifferent) {
-  const GlarotSignature signature = glarot_signature(five);
+  const GlarotSignature signature = glarot_signature(signed_points);
   EXPECT_NEAR(std::accumulate(signature.bins.begin(), signature.bins.end(), 0.0), 41.4145, 1e-3);
-  EXPECT_NEAR(between(five, moved(five, {0, 0, radians_from_degrees(10)})).value, 4.1316, 1e-3);
-  std::vector<Point2> one_moved = five;
+  EXPECT_NEAR(between(signed_points, moved(signed_points, {0, 0, radians_from_degrees(10)})).value, 4.1316, 1e-3);
+  std::vector<Point2> one_moved = signed_points;
   one_moved.back() = {-2.3, -1.7};
-  EXPECT_NEAR(between(five, one_moved).value, 21.5193, 1e-3);
-  std::vector<Point2> mirrored = five;
+  EXPECT_NEAR(between(signed_points, one_moved).value, 21.5193, 1e-3);
+  std::vector<Point2> mirrored = signed_points;
   for (Point2& point : mirrored) { point.y = -point.y; }
-  EXPECT_NEAR(between(five, mirrored).value, 22.6671, 1e-3);
-  EXPECT_NEAR(between(five, {{0, 0}, {1, 5}, {3, 3}, {-4, 2}, {2, -2}}).value, 59.8047, 1e-3);
+  EXPECT_NEAR(between(signed_points, mirrored).value, 22.6671, 1e-3);
+  EXPECT_NEAR(between(signed_points, {{0, 0}, {1, 5}, {3, 3}, {-4, 2}, {2, -2}}).value, 59.8047, 1e-3);
 }
 
 TEST(Glarot, IsInfinitelyFarFromSetsThatAreTooSmall) {
-  EXPECT_TRUE(std::isinf(between(five, {}).value));
+  EXPECT_TRUE(std::isinf(between(signed_points, {}).value));
   EXPECT_TRUE(std::isinf(between({}, {}).value));
-  EXPECT_TRUE(std::isinf(between({five.begin(), five.begin() + 4}, five).value));
+  EXPECT_TRUE(std::isinf(between({signed_points.begin(), signed_points.begin() + 4}, signed_points).value));
 }
 
 }  // namespace

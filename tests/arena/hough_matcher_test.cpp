@@ -9,7 +9,7 @@
 namespace flirt {
 namespace {
 
-const std::vector<Point2> five{{2, 0}, {-1, 3}, {-3, -2}, {1.5, 4}, {4, -2.5}};
+const std::vector<Point2> scattered{{2, 0}, {-1, 3}, {-3, -2}, {1.5, 4}, {4, -2.5}};
 const Pose2 small_motion{0.55, -0.35, 0.2};
 
 std::optional<HoughCell> cell_of(const std::vector<Point2>& a, const std::vector<Point2>& b,
@@ -19,7 +19,7 @@ std::optional<HoughCell> cell_of(const std::vector<Point2>& a, const std::vector
 }
 
 TEST(HoughMatcher, FindsThePlantedMotion) {
-  const auto cell = cell_of(moved(five, small_motion), five);
+  const auto cell = cell_of(moved(scattered, small_motion), scattered);
   ASSERT_TRUE(cell);
   EXPECT_EQ(cell->votes, 5U);
   EXPECT_EQ(cell->turn, 5);
@@ -30,9 +30,9 @@ TEST(HoughMatcher, FindsThePlantedMotion) {
 }
 
 TEST(HoughMatcher, FindsItAmidOutliers) {
-  std::vector<Point2> a = moved(five, small_motion);
+  std::vector<Point2> a = moved(scattered, small_motion);
   a.insert(a.begin(), {{3.3, 3.1}, {-4, 0.7}});
-  const PointSets points{five, a};
+  const PointSets points{scattered, a};
   const auto found = align_by_votes(points, all_pairs(points));
   ASSERT_TRUE(found);
   EXPECT_EQ(found->pairs.size(), 5U);
@@ -41,8 +41,8 @@ TEST(HoughMatcher, FindsItAmidOutliers) {
 }
 
 TEST(HoughMatcher, CountsTheVotesOfItsCandidatesOnly) {
-  const std::vector<Point2> a = moved(five, small_motion);
-  const PointSets points{five, a};
+  const std::vector<Point2> a = moved(scattered, small_motion);
+  const PointSets points{scattered, a};
   const std::vector<IndexPair> three{{0, 0}, {1, 1}, {3, 3}, {2, 4}};
   ASSERT_TRUE(most_voted_cell(points, three));
   EXPECT_EQ(most_voted_cell(points, three)->votes, 3U);
@@ -51,22 +51,22 @@ TEST(HoughMatcher, CountsTheVotesOfItsCandidatesOnly) {
 }
 
 TEST(HoughMatcher, TurnsNoFartherThanAllowed) {
-  const std::vector<Point2> a = moved(five, {0.55, -0.35, 2.48});
-  EXPECT_FALSE(cell_of(a, five, {.turn_max = 1.57}));
-  ASSERT_TRUE(cell_of(a, five));
-  EXPECT_EQ(cell_of(a, five)->votes, 5U);
+  const std::vector<Point2> a = moved(scattered, {0.55, -0.35, 2.48});
+  EXPECT_FALSE(cell_of(a, scattered, {.turn_max = 1.57}));
+  ASSERT_TRUE(cell_of(a, scattered));
+  EXPECT_EQ(cell_of(a, scattered)->votes, 5U);
 }
 
 TEST(HoughMatcher, ReachesNoFartherThanAllowed) {
-  EXPECT_FALSE(cell_of(moved(five, {7, 0, 0}), five));
-  EXPECT_TRUE(cell_of(moved(five, {7, 0, 0}), five, {.shift_max = 8}));
+  EXPECT_FALSE(cell_of(moved(scattered, {7, 0, 0}), scattered));
+  EXPECT_TRUE(cell_of(moved(scattered, {7, 0, 0}), scattered, {.shift_max = 8}));
 }
 
 TEST(HoughMatcher, FindsNothingWithoutPoints) {
-  EXPECT_FALSE(cell_of({}, five));
-  EXPECT_FALSE(cell_of(five, {}));
+  EXPECT_FALSE(cell_of({}, scattered));
+  EXPECT_FALSE(cell_of(scattered, {}));
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(cell_of({{nan, nan}, {nan, 0}, {0, nan}}, five));
+  EXPECT_FALSE(cell_of({{nan, nan}, {nan, 0}, {0, nan}}, scattered));
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ TEST(GlobalPlaces, PlacesAtMostSoManyScansInOneCall) {
   const ScanLog log = drive_through(2, 4);
   const std::vector<SlamScan> scans = slam_scans(log);
   constexpr std::size_t most = 30;
-  constexpr std::size_t earlier = 100;
+  constexpr std::size_t earlier = 80;
   GlobalPlaces slowly;
   std::size_t calls = 1;
   while (!slowly.update(scans, log.map_from_robot, earlier, most)) { ++calls; }
@@ -34,7 +34,7 @@ TEST(GlobalPlaces, PlacesAtMostSoManyScansInOneCall) {
 TEST(GlobalPlaces, FollowTheGraphWhenItMoves) {
   const ScanLog log = drive_through(2, 4);
   const std::vector<SlamScan> scans = slam_scans(log);
-  constexpr std::size_t earlier = 100;
+  constexpr std::size_t earlier = 80;
   constexpr std::size_t query = 45;
   const Pose2 moved_from_map{3, -8, 0.7};
   std::vector<Pose2> moved;
