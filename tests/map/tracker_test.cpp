@@ -174,11 +174,11 @@ TEST(Tracker, ADriveThroughAnotherBuildingIsNotFound) {
 }
 
 TEST(Tracker, ADriveThroughAnotherBuildingIsNotFoundWithoutOdometryEither) {
-  ScanLog drive = drive_elsewhere();
+  ScanLog drive = part_of(drive_elsewhere(), 0, 40);
   for (Scan& scan : drive.scans) { scan.odom_from_robot.reset(); }
   const Tracked result = tracked(office().map, drive);
   EXPECT_EQ(result.right, 0U);
-  EXPECT_LE(static_cast<double>(result.wrong), 0.02 * static_cast<double>(drive.scans.size()));
+  EXPECT_EQ(result.wrong, 0U);
 }
 
 TEST(Tracker, AScanWithoutReadingsOnTheWayDoesNotLoseIt) {
