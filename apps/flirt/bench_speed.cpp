@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <ctime>
@@ -14,6 +15,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace flirt::app {
 namespace {
@@ -22,11 +24,12 @@ struct Experiment {
   std::string_view name;
   SpeedSection (*run)(const SpeedOptions&, const Session&);
 };
-constexpr std::array experiments{Experiment{"map-area", speed_map_area}};
+constexpr std::array experiments{Experiment{"stages", speed_stages}, Experiment{"map-size", speed_map_size},
+                                 Experiment{"map-area", speed_map_area}};
 
 struct Options {
   std::string out;
-  std::string section{"all"};
+  std::vector<std::string> sections{"all"};
   SpeedOptions speed;
 };
 
@@ -50,10 +53,15 @@ std::string csv_of(const nlohmann::ordered_json& rows) {
   return csv;
 }
 
+bool is_chosen(const Options& options, std::string_view name) {
+  return std::ranges::any_of(options.sections,
+                             [name](const std::string& section) { return section == "all" || section == name; });
+}
+
 int run(const Options& options, const Session& session) {
   nlohmann::ordered_json json;
   for (const Experiment& experiment : experiments) {
-    if (options.section != "all" && options.section != experiment.name) { continue; }
+    if (!is_chosen(options, experiment.name)) { continue; }
     const SpeedSection section = experiment.run(options.speed, session);
     const std::string csv = csv_of(section.rows);
     json[std::string(experiment.name)] = section.rows;
@@ -86,10 +94,17 @@ double cpu_us() {
 void add_bench_speed(CLI::App& bench, Session& session) {
   auto options = std::make_shared<Options>();
   CLI::App* command = add_command(bench, session, "speed", "How long things take, and how that grows.",
-                                  "flirt bench speed --areas 1000,10000 --queries 50 -o results");
+                                  "flirt bench speed --sections stages,map-size --sizes 1000,10000 -o results");
   std::vector<std::string> names{"all"};
   for (const Experiment& experiment : experiments) { names.emplace_back(experiment.name); }
-  command->add_option("--section", options->section, "experiment to run (default all)")->check(CLI::IsMember(names));
+  command->add_option("--sections,--section", options->sections, "experiments to run (default all)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(names));
+  command->add_option("--log", options->speed.log, "log with poses for stages and map-size (default: simulated)")
+      ->check(CLI::ExistingFile);
+  command->add_option("--sizes", options->speed.sizes, "map scans of map-size (default 1000,10000,100000)")
+      ->delimiter(',')
+      ->check(CLI::Range(2, 1000000));
   command->add_option("--areas", options->speed.areas, "m², floors of the buildings that are mapped")
       ->delimiter(',')
       ->check(CLI::Range(200.0, 1e6));
