@@ -30,9 +30,11 @@ struct Tiling {
 
   [[nodiscard]] Pose2 map_from_sensor(std::size_t i) const {
     const std::size_t tile = i / per_tile;
+    const std::size_t column = tile % tiles_a_row;
+    const std::size_t row = tile / tiles_a_row;
     Pose2 pose = log.map_from_sensor(2 * (i % per_tile));
-    pose.x += side * static_cast<double>(tile % tiles_a_row);
-    pose.y += side * static_cast<double>(tile / tiles_a_row);
+    pose.x += side * static_cast<double>(column);
+    pose.y += side * static_cast<double>(row);
     return pose;
   }
 };
@@ -48,8 +50,8 @@ Tiling tiling_of(ScanLog log, std::size_t size) {
   Tiling tiling{.log = std::move(log)};
   tiling.side = extent_of(tiling.log) + between;
   tiling.per_tile = (tiling.log.scans.size() + 1) / 2;
-  const auto tiles = static_cast<double>((size + tiling.per_tile - 1) / tiling.per_tile);
-  tiling.tiles_a_row = static_cast<std::size_t>(std::ceil(std::sqrt(tiles)));
+  const std::size_t tiles = (size + tiling.per_tile - 1) / tiling.per_tile;
+  tiling.tiles_a_row = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(tiles))));
   return tiling;
 }
 

@@ -4,11 +4,14 @@
 #include "flirt/map/solution_set.hpp"
 
 #include "tests/support/room_map.hpp"
+#include "tests/support/scenes.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <numeric>
 #include <vector>
 
@@ -26,12 +29,30 @@ Features features_of_map_scan(const PlaceMap& map, std::size_t i) {
   return extract(map.scan(i), map.feature_params());
 }
 
-TEST(WordIndex, LeavesTheMapScanThatIsAsked) {
-  const PlaceMap map = room_map();
-  const WordIndex index(map, few_words);
-  for (std::uint32_t scan = 0; scan < map.size(); ++scan) {
-    EXPECT_THAT(index.most_alike(features_of_map_scan(map, scan)), Contains(scan));
+/// The furnished room with eight scans (0 .. 7), and far from it a narrow hall with niches, with eight more.
+struct TwoRooms {
+  Scene scene{furnished_room()};
+  std::vector<Pose2> poses{poses_around(1.2, 8)};
+  Pose2 map_from_hall{100.0, 0.0, 0.0};
+
+  TwoRooms() {
+    Scene hall = box({0, 0, 0}, 14.0, 4.0);
+    for (const double x : {-5.0, -3.0, 3.0, 5.0}) { hall = joined(hall, box({x, 1.7, 0}, 0.5, 0.3)); }
+    scene = joined(scene, moved(hall, map_from_hall));
+    for (const Pose2& hall_from_sensor : poses_around(1.2, 8)) { poses.push_back(map_from_hall * hall_from_sensor); }
   }
+};
+
+TEST(WordIndex, LeavesMapScansOfTheRoomThatIsAskedBeforeThoseOfAnother) {
+  const TwoRooms rooms;
+  const PlaceMap map = build_place_map(log_of(rooms.scene, rooms.poses)).value();
+  const WordIndex index(map, {.words = 32, .samples = 500, .rounds = 3, .query_words = 2, .candidates = 8});
+  const auto left_in_hall = [&](const Pose2& map_from_sensor) {
+    const Scan scan = scan_of(rooms.scene, map_from_sensor, turn_beams(), turn_beam_count);
+    return std::ranges::count_if(index.most_alike(extract(scan)), [](std::uint32_t i) { return i >= 8; });
+  };
+  EXPECT_LE(left_in_hall({0.4, 0.3, 0.7}), 1);
+  EXPECT_GE(left_in_hall(rooms.map_from_hall * Pose2{0.4, 0.3, 0.7}), 7);
 }
 
 TEST(WordIndex, LeavesAsManyMapScansAsAskedInAscendingOrder) {
