@@ -1,15 +1,13 @@
 // apps/flirt/bench_speed.cpp: `flirt bench speed`, how long things take and how that grows.
 #include "flirt/io/file.hpp"
-#include "flirt/io/log.hpp"
 #include "flirt/io/svg.hpp"
-#include "flirt/sim/office.hpp"
-#include "flirt/sim/simulate.hpp"
 
 #include "apps/flirt/command.hpp"
 #include "apps/flirt/speed_section.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <ctime>
@@ -17,7 +15,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <utility>
+#include <vector>
 
 namespace flirt::app {
 namespace {
@@ -26,12 +24,12 @@ struct Experiment {
   std::string_view name;
   SpeedSection (*run)(const SpeedOptions&, const Session&);
 };
-constexpr std::array experiments{Experiment{"stages", speed_stages}, Experiment{"map-area", speed_map_area},
-                                 Experiment{"map-scans", speed_map_scans}};
+constexpr std::array experiments{Experiment{"stages", speed_stages}, Experiment{"map-size", speed_map_size},
+                                 Experiment{"map-area", speed_map_area}};
 
 struct Options {
   std::string out;
-  std::string section{"all"};
+  std::vector<std::string> sections{"all"};
   SpeedOptions speed;
 };
 
@@ -55,10 +53,15 @@ std::string csv_of(const nlohmann::ordered_json& rows) {
   return csv;
 }
 
+bool is_chosen(const Options& options, std::string_view name) {
+  return std::ranges::any_of(options.sections,
+                             [name](const std::string& section) { return section == "all" || section == name; });
+}
+
 int run(const Options& options, const Session& session) {
   nlohmann::ordered_json json;
   for (const Experiment& experiment : experiments) {
-    if (options.section != "all" && options.section != experiment.name) { continue; }
+    if (!is_chosen(options, experiment.name)) { continue; }
     const SpeedSection section = experiment.run(options.speed, session);
     const std::string csv = csv_of(section.rows);
     json[std::string(experiment.name)] = section.rows;
@@ -66,12 +69,11 @@ int run(const Options& options, const Session& session) {
       const std::filesystem::path out = value_or_quit(folder_for_results(options.out));
       const std::string name = "speed-" + std::string(experiment.name);
       value_or_quit(write_file_atomically(out / (name + ".csv"), csv));
-      if (section.figure) { value_or_quit(write_file_atomically(out / (name + ".svg"), svg::to_svg(*section.figure))); }
+      value_or_quit(write_file_atomically(out / (name + ".svg"), svg::to_svg(section.figure)));
     }
-    if (session.talks()) { std::fputs(("\n" + csv).c_str(), stdout); }
+    if (session.talks()) { std::fputs(csv.c_str(), stdout); }
   }
   json["time"] = "CPU time of one thread";
-  json["log"] = options.speed.log.empty() ? "simulated" : options.speed.log;
   json["queries"] = options.speed.queries;
   json["seed"] = session.seed;
   json.update(provenance());
@@ -85,21 +87,6 @@ int run(const Options& options, const Session& session) {
 
 }  // namespace
 
-ScanLog speed_log(const SpeedOptions& options, const Session& session) {
-  if (!options.log.empty()) {
-    LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
-    if (loaded.log.map_from_robot.empty()) {
-      throw BadInput(options.log + ": expected a log with poses (maps are made of them), found none");
-    }
-    return std::move(loaded.log);
-  }
-  SimulateParams params;
-  params.drive.rounds = 1;
-  params.seed = session.seed;
-  params.threads = session.threads;
-  return value_or_quit(simulate(make_office({.seed = session.seed + 1}), params)).log;
-}
-
 double cpu_us() {
   return static_cast<double>(std::clock()) * (1e6 / static_cast<double>(CLOCKS_PER_SEC));
 }
@@ -107,18 +94,20 @@ double cpu_us() {
 void add_bench_speed(CLI::App& bench, Session& session) {
   auto options = std::make_shared<Options>();
   CLI::App* command = add_command(bench, session, "speed", "How long things take, and how that grows.",
-                                  "flirt bench speed fr079.log.gz --section stages -o results");
+                                  "flirt bench speed --sections stages,map-size --sizes 1000,10000 -o results");
   std::vector<std::string> names{"all"};
   for (const Experiment& experiment : experiments) { names.emplace_back(experiment.name); }
-  command->add_option("LOG", options->speed.log,
-                      "for stages and map-scans: log with poses (default: a simulated office)");
-  command->add_option("--section", options->section, "experiment to run (default all)")->check(CLI::IsMember(names));
+  command->add_option("--sections,--section", options->sections, "experiments to run (default all)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(names));
+  command->add_option("--log", options->speed.log, "log with poses for stages and map-size (default: simulated)")
+      ->check(CLI::ExistingFile);
+  command->add_option("--sizes", options->speed.sizes, "map scans of map-size (default 1000,10000,100000)")
+      ->delimiter(',')
+      ->check(CLI::Range(2, 1000000));
   command->add_option("--areas", options->speed.areas, "m², floors of the buildings that are mapped")
       ->delimiter(',')
       ->check(CLI::Range(200.0, 1e6));
-  command->add_option("--sizes", options->speed.sizes, "scans of the maps of map-scans")
-      ->delimiter(',')
-      ->check(CLI::Range(10, 1000000));
   command->add_option("--queries", options->speed.queries, "scans localized in each map (default 100)")
       ->check(CLI::Range(1, 100000));
   command->add_option("-o,--output", options->out, "folder for speed.json and a CSV and an SVG file for each section");

@@ -1,123 +1,190 @@
-// apps/flirt/speed_stages.cpp: what one scan costs, stage by stage.
+// apps/flirt/speed_stages.cpp: what each stage takes for one scan: detect, describe, a pair alone, a pair within a
+// query.
 #include "flirt/eval/statistics.hpp"
 #include "flirt/features/extract.hpp"
-#include "flirt/map/localize.hpp"
 #include "flirt/map/place_map.hpp"
+#include "flirt/map/solution_set.hpp"
 #include "flirt/match/pair_matcher.hpp"
 
+#include "apps/flirt/speed_log.hpp"
 #include "apps/flirt/speed_section.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
+#include <vector>
 
 namespace flirt::app {
 namespace {
 
-constexpr int repetitions = 5;  // of which the median counts
+constexpr std::size_t passes = 9;
+constexpr std::size_t scans_in_a_pass = 64;
 
-struct ScanFeatures {
+struct Times {
+  double least{0};
+  double median{0};
+};
+
+/// CPU time of one of the `count` things that `pass` does, µs: other work on the machine adds to it, never takes away.
+template <class Pass>
+Times timed(std::size_t count, const Pass& pass) {
+  pass();  // allocates
+  std::vector<double> times;
+  for (std::size_t i = 0; i < passes; ++i) {
+    const double start = cpu_us();
+    pass();
+    times.push_back((cpu_us() - start) / static_cast<double>(count));
+  }
+  return {std::ranges::min(times), quantile(times, 0.5)};
+}
+
+struct Described {
   Features features;
   KeypointTable table;
 
   [[nodiscard]] FeatureColumns columns() const { return {table.columns(), rows_of(features.descriptors)}; }
 };
 
-/// Median over repetitions of what `work` takes, µs for each of its `count` parts.
-template <class Work>
-double median_us(std::size_t count, const Work& work) {
-  std::vector<double> times;
-  for (int i = 0; i < repetitions; ++i) { times.push_back(1e6 * seconds_of(work) / static_cast<double>(count)); }
-  return quantile(times, 0.5);
+/// A scan with its features.
+struct Sample {
+  const Scan* scan;
+  Described described;
+};
+
+std::vector<Sample> samples_of(const ScanLog& log) {
+  FeatureExtractor extractor;
+  std::vector<Sample> samples;
+  for (const std::size_t i : spread_evenly(log.scans.size(), scans_in_a_pass)) {
+    Features features = extractor.extract(log.scans[i]);
+    KeypointTable table = table_of(features.keypoints);
+    samples.push_back({&log.scans[i], {std::move(features), std::move(table)}});
+  }
+  return samples;
 }
 
-class Stages {
+/// Rows of one log.
+class StageTable {
  public:
-  /// At most `most` of the log's scans, evenly spread.
-  Stages(const ScanLog& log, std::size_t most) {
-    const std::size_t count = std::min(most, log.scans.size());
-    for (std::size_t i = 0; i < count; ++i) { scans_.push_back(log.scans[i * log.scans.size() / count]); }
-    for (const Scan& scan : scans_) {
-      Features features = extract(scan);
-      KeypointTable table = table_of(features.keypoints);
-      features_.push_back({std::move(features), std::move(table)});
-    }
-  }
+  StageTable(const SpeedLog& log, nlohmann::ordered_json& rows)
+      : name_(log.name), beams_(log.log.scans.front().ranges.size()), rows_(rows) {}
 
-  void add_features(nlohmann::ordered_json& rows) const {
-    std::size_t beams = 0;
-    std::size_t keypoints = 0;
-    for (const Scan& scan : scans_) { beams += scan.ranges.size(); }
-    for (const ScanFeatures& scan : features_) { keypoints += scan.features.keypoints.size(); }
-    Detector detector;
-    Describer describer;
-    add(rows, "detect", "a scan", median_us(scans_.size(), [&] {
-          for (const Scan& scan : scans_) { static_cast<void>(detector.detect(scan)); }
-        }));
-    rows.back()["each_has"] = std::to_string(beams / scans_.size()) + " beams";
-    add(rows, "describe", "a scan", median_us(scans_.size(), [&] {
-          for (std::size_t i = 0; i < scans_.size(); ++i) {
-            static_cast<void>(describer.describe(scans_[i], features_[i].features.keypoints));
-          }
-        }));
-    rows.back()["each_has"] = std::to_string(keypoints / scans_.size()) + " keypoints";
-  }
+  [[nodiscard]] std::size_t beams() const { return beams_; }
 
-  void add_pairs(nlohmann::ordered_json& rows) const {
-    PairMatcher matcher;
-    const std::size_t pairs = scans_.size() * scans_.size();
-    add(rows, "match query after query", "a pair", median_us(pairs, [&] {
-          for (const ScanFeatures& query : features_) {
-            matcher.set_query(query.columns());
-            for (const ScanFeatures& reference : features_) { static_cast<void>(matcher.align(reference.columns())); }
-          }
-        }));
-    add(rows, "match a pair alone", "a pair", median_us(pairs, [&] {
-          for (const ScanFeatures& query : features_) {
-            for (const ScanFeatures& reference : features_) {
-              PairMatcher own;
-              own.set_query(query.columns());
-              static_cast<void>(own.align(reference.columns()));
-            }
-          }
-        }));
-  }
-
-  /// Features of the query included.
-  void add_queries(nlohmann::ordered_json& rows, const PlaceMap& map) const {
-    for (const LocalizeMethod method : {LocalizeMethod::papers, LocalizeMethod::automatic}) {
-      Localizer localizer(map, {.method = method});
-      static_cast<void>(localizer.localize(scans_.front()));  // prepares what all queries share
-      std::vector<double> times;
-      for (const Scan& scan : scans_) {
-        times.push_back(1e6 * seconds_of([&] { static_cast<void>(localizer.localize(scan)); }));
-      }
-      add(rows, "localize by " + std::string(to_string(method)), "a query", quantile(times, 0.5));
-      rows.back()["p95_us"] = quantile(times, 0.95);
-      rows.back()["each_has"] = std::to_string(map.size()) + " map scans";
-    }
+  void add(const std::string& stage, const std::string& unit, const Times& times, std::optional<double> target) {
+    nlohmann::ordered_json row{{"log", name_},
+                               {"beams", beams_},
+                               {"stage", stage},
+                               {"unit", unit},
+                               {"least", times.least},
+                               {"median", times.median},
+                               {"target", target ? nlohmann::ordered_json(*target) : nlohmann::ordered_json()}};
+    rows_.push_back(std::move(row));
   }
 
  private:
-  static void add(nlohmann::ordered_json& rows, std::string stage, std::string_view unit, double us) {
-    rows.push_back(
-        {{"stage", std::move(stage)}, {"unit", unit}, {"median_us", us}, {"p95_us", nullptr}, {"each_has", ""}});
-  }
-
-  std::vector<Scan> scans_{};
-  std::vector<ScanFeatures> features_{};
+  std::string name_;
+  std::size_t beams_;
+  nlohmann::ordered_json& rows_;
 };
+
+std::optional<double> detect_target(std::size_t beams) {
+  if (beams <= 181) { return 30.0; }
+  return beams <= 361 ? std::optional(60.0) : std::nullopt;
+}
+
+void add_features(const std::vector<Sample>& samples, StageTable& table) {
+  Detector detector{DetectorParams{}};
+  const auto detect_all = [&] {
+    for (const Sample& sample : samples) { (void)detector.detect(*sample.scan); }
+  };
+  table.add("detect", "us", timed(samples.size(), detect_all), detect_target(table.beams()));
+
+  Describer describer{DescriptorParams{}};
+  std::size_t keypoints = 0;
+  for (const Sample& sample : samples) { keypoints += sample.described.features.keypoints.size(); }
+  const auto describe_all = [&] {
+    for (const Sample& sample : samples) {
+      (void)describer.describe(*sample.scan, sample.described.features.keypoints);
+    }
+  };
+  const Times a_keypoint = timed(std::max<std::size_t>(keypoints, 1), describe_all);
+  table.add("describe 24 keypoints", "us", {24 * a_keypoint.least, 24 * a_keypoint.median}, 60.0);
+}
+
+/// All pairs of the samples, as if each were the only one.
+void add_pair_alone(const std::vector<Sample>& samples, StageTable& table) {
+  PairMatcher matcher;
+  const auto match_all = [&] {
+    for (const Sample& query : samples) {
+      for (const Sample& reference : samples) {
+        matcher.set_query(query.described.columns());
+        (void)matcher.align(reference.described.columns());
+      }
+    }
+  };
+  table.add("pair alone", "us", timed(samples.size() * samples.size(), match_all), 10.0);
+}
+
+/// The papers' method against a map of the whole log.
+void add_query(const ScanLog& log, const std::vector<Sample>& samples, StageTable& table, const Session& session) {
+  constexpr std::size_t real_map = 1464;  // the scans that the target of a query speaks of
+  const PlaceMap map = value_or_quit(build_place_map(log, {}, session.threads));
+  SolutionSetFinder finder(map);
+  const std::size_t queries = std::min<std::size_t>(samples.size(), 16);
+  const auto find_all = [&] {
+    for (std::size_t i = 0; i < queries; ++i) {
+      (void)finder.find(samples[i * samples.size() / queries].described.features);
+    }
+  };
+  const Times query = timed(queries, find_all);
+  const auto scans = static_cast<double>(map.size());
+  table.add("pair within a query", "us", {query.least / scans, query.median / scans}, 3.0);
+  const bool is_real_map = map.size() == real_map;
+  table.add("query of " + std::to_string(map.size()) + " scans", "ms", {query.least * 1e-3, query.median * 1e-3},
+            is_real_map ? std::optional(3.0) : std::nullopt);
+  const double megabytes = static_cast<double>(map.bytes()) * 1e-6;
+  table.add("map", "MB", {megabytes, megabytes}, is_real_map ? std::optional(20.0) : std::nullopt);
+}
+
+/// Least times in the order of the rows, and the targets.
+svg::Figure figure_of(const nlohmann::ordered_json& rows) {
+  svg::Chart chart{.title = "Time of a stage, in the order of the table",
+                   .x = {.label = "row"},
+                   .y = {.label = "least of 9 (µs)", .scale = svg::AxisScale::logarithmic}};
+  svg::Series measured{.legend = "measured", .style = svg::series_style(0)};
+  svg::Series wanted{.legend = "target", .style = svg::series_style(1)};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i]["unit"] != "us") { continue; }
+    measured.x.push_back(static_cast<double>(i + 1));
+    measured.y.push_back(rows[i]["least"]);
+    if (rows[i]["target"].is_null()) { continue; }
+    wanted.x.push_back(static_cast<double>(i + 1));
+    wanted.y.push_back(rows[i]["target"]);
+  }
+  chart.series = {measured, wanted};
+  return {.panels = {chart}};
+}
 
 }  // namespace
 
 SpeedSection speed_stages(const SpeedOptions& options, const Session& session) {
-  const ScanLog log = speed_log(options, session);
-  const Stages stages(log, options.queries);
+  std::vector<SpeedLog> logs;
+  if (options.log.empty()) {
+    logs.push_back(simulated_log(180, session));
+    logs.push_back(simulated_log(360, session));
+  } else {
+    logs.push_back(given_log(options, session));
+  }
   SpeedSection section;
-  stages.add_features(section.rows);
-  stages.add_pairs(section.rows);
-  stages.add_queries(section.rows, value_or_quit(build_place_map(log, {}, session.threads)));
+  for (const SpeedLog& log : logs) {
+    const std::vector<Sample> samples = samples_of(log.log);
+    StageTable table(log, section.rows);
+    add_features(samples, table);
+    add_pair_alone(samples, table);
+    add_query(log.log, samples, table, session);
+  }
+  section.figure = figure_of(section.rows);
   return section;
 }
 

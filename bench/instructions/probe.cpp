@@ -1,125 +1,158 @@
-// bench/instructions/probe.cpp: one stage of the work, on the same simulated scans each time, for callgrind.
+// bench/instructions/probe.cpp: one stage over made-up scans, for counting its instructions.
 //
-//   valgrind --tool=callgrind --toggle-collect='measured_*' flirt_probe detect|describe|match|query
+//   valgrind --tool=callgrind --toggle-collect=flirt_measured instructions_probe detect
 //
-// What is done in a function `measured_…` counts; what prepares it does not. Prints how much was found, so that it can
-// be seen whether two builds did the same.
+// Everything but the body of `flirt_measured` is preparation and not counted: inputs, and one run before, so that
+// memory is allocated and the SIMD kernels are chosen. scripts/compare_instructions runs it, also built against other
+// commits: so it uses as little of the library as it can. Prints the SIMD target and what the stage found.
 #include "flirt/features/extract.hpp"
 #include "flirt/map/localize.hpp"
+#include "flirt/map/place_map.hpp"
+#include "flirt/map/solution_set.hpp"
+#include "flirt/match/columns.hpp"
 #include "flirt/match/pair_matcher.hpp"
-#include "flirt/sim/office.hpp"
-#include "flirt/sim/simulate.hpp"
 
+#include "rooms.hpp"
+
+#include <hwy/targets.h>
+
+#include <cstddef>
 #include <cstdio>
-#include <span>
+#include <functional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-namespace flirt {
-namespace {
-
-ScanLog drive() {
-  SimulateParams params;
-  params.drive.rounds = 1;
-  params.drive.scan_distance = 1.0;
-  params.drive.scan_turn = 1.0;
-  params.seed = 1;
-  params.threads = 1;
-  auto simulation = simulate(make_office({.area = 300}), params);
-  return simulation ? std::move(simulation->log) : ScanLog{};
+/// The name that callgrind looks for.
+extern "C" [[gnu::noinline]] std::size_t flirt_measured(const std::function<std::size_t()>& stage) {
+  return stage();
 }
 
-struct ScanFeatures {
-  Features features{};
-  KeypointTable table{};
+namespace flirt::bench {
+namespace {
+
+struct Described {
+  Features features;
+  KeypointTable table;
 
   [[nodiscard]] FeatureColumns columns() const { return {table.columns(), rows_of(features.descriptors)}; }
 };
 
-std::vector<ScanFeatures> features_of(const ScanLog& log) {
-  std::vector<ScanFeatures> all;
-  for (const Scan& scan : log.scans) {
-    Features features = extract(scan);
+std::vector<Described> described(const std::vector<PlacedScan>& scans) {
+  FeatureExtractor extractor;
+  std::vector<Described> all;
+  for (const PlacedScan& placed : scans) {
+    Features features = extractor.extract(placed.scan);
     KeypointTable table = table_of(features.keypoints);
     all.push_back({std::move(features), std::move(table)});
   }
   return all;
 }
 
-}  // namespace
-
-extern "C" {
-
-[[gnu::noinline]] std::size_t measured_detect(Detector& detector, const ScanLog& log) {
-  std::size_t keypoints = 0;
-  for (const Scan& scan : log.scans) { keypoints += detector.detect(scan).size(); }
-  return keypoints;
-}
-
-[[gnu::noinline]] std::size_t measured_describe(Describer& describer, const ScanLog& log,
-                                                std::span<const ScanFeatures> features) {
-  std::size_t descriptors = 0;
-  for (std::size_t i = 0; i < features.size(); ++i) {
-    descriptors += describer.describe(log.scans[i], features[i].features.keypoints).size();
+PlaceMap map_of(const std::vector<PlacedScan>& scans, const std::vector<Described>& all) {
+  PlaceMapBuilder builder;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    builder.add(scans[i].scan, scans[i].map_from_sensor, all[i].features);
   }
-  return descriptors;
+  return std::move(builder).build();
 }
 
-/// All pairs, as against a map: few of them belong together.
-[[gnu::noinline]] std::size_t measured_match(PairMatcher& matcher, std::span<const ScanFeatures> features) {
-  std::size_t aligned = 0;
-  for (const ScanFeatures& query : features) {
-    matcher.set_query(query.columns());
-    for (const ScanFeatures& reference : features) { aligned += matcher.align(reference.columns()) ? 1 : 0; }
-  }
-  return aligned;
+/// Runs it twice, the second time counted. Returns what the stage found.
+std::size_t measured(const std::function<std::size_t()>& stage) {
+  (void)stage();
+  return flirt_measured(stage);
 }
 
-[[gnu::noinline]] std::size_t measured_query(Localizer& localizer, const ScanLog& log) {
-  constexpr std::size_t every = 16;
-  std::size_t unique = 0;
-  for (std::size_t i = 0; i < log.scans.size(); i += every) {
-    unique += localizer.localize(log.scans[i]).verdict == Verdict::unique ? 1 : 0;
-  }
-  return unique;
+#ifdef __OPTIMIZE__
+constexpr const char* compiler = __VERSION__ ", optimised";
+#else
+constexpr const char* compiler = __VERSION__;
+#endif
+
+std::size_t detect_stage(const std::vector<PlacedScan>& scans) {
+  Detector detector{DetectorParams{}};
+  return measured([&] {
+    std::size_t keypoints = 0;
+    for (const PlacedScan& placed : scans) { keypoints += detector.detect(placed.scan).size(); }
+    return keypoints;
+  });
 }
 
-}  // extern "C"
+std::size_t describe_stage(const std::vector<PlacedScan>& scans) {
+  const std::vector<Described> all = described(scans);
+  Describer describer{DescriptorParams{}};
+  return measured([&] {
+    std::size_t rows = 0;
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      rows += describer.describe(scans[i].scan, all[i].features.keypoints).size();
+    }
+    return rows;
+  });
+}
 
-namespace {
+/// All ordered pairs.
+std::size_t match_stage(const std::vector<PlacedScan>& scans) {
+  const std::vector<Described> all = described(scans);
+  PairMatcher matcher;
+  return measured([&] {
+    std::size_t aligned = 0;
+    for (const Described& query : all) {
+      matcher.set_query(query.columns());
+      for (const Described& reference : all) { aligned += matcher.align(reference.columns()) ? 1U : 0U; }
+    }
+    return aligned;
+  });
+}
+
+/// Every eighth scan against the map of all, by the papers' method.
+std::size_t query_papers_stage(const std::vector<PlacedScan>& scans) {
+  const std::vector<Described> all = described(scans);
+  SolutionSetFinder finder(map_of(scans, all));
+  return measured([&] {
+    std::size_t hypotheses = 0;
+    for (std::size_t i = 0; i < all.size(); i += 8) { hypotheses += finder.find(all[i].features).hypotheses.size(); }
+    return hypotheses;
+  });
+}
+
+/// Two scans against the map of all, by the evidence.
+std::size_t query_stage(const std::vector<PlacedScan>& scans) {
+  const PlaceMap map = map_of(scans, described(scans));
+  Localizer localizer(map);
+  return measured([&] {
+    std::size_t hypotheses = 0;
+    for (std::size_t i = 5; i < scans.size(); i += scans.size() / 2) {
+      hypotheses += localizer.localize(scans[i].scan).hypotheses.size();
+    }
+    return hypotheses;
+  });
+}
 
 int run(std::string_view stage) {
-  const ScanLog log = drive();
+  const std::vector<PlacedScan> scans = scans_in_rooms(32);
   std::size_t found = 0;
   if (stage == "detect") {
-    Detector detector;
-    found = measured_detect(detector, log);
+    found = detect_stage(scans);
   } else if (stage == "describe") {
-    const std::vector<ScanFeatures> features = features_of(log);
-    Describer describer;
-    found = measured_describe(describer, log, features);
+    found = describe_stage(scans);
   } else if (stage == "match") {
-    const std::vector<ScanFeatures> features = features_of(log);
-    PairMatcher matcher;
-    found = measured_match(matcher, features);
+    found = match_stage(scans);
+  } else if (stage == "query_papers") {
+    found = query_papers_stage(scans);
   } else if (stage == "query") {
-    const auto map = build_place_map(log, {}, 1);
-    if (!map) { return 3; }
-    Localizer localizer(*map);
-    static_cast<void>(localizer.localize(log.scans.front()));  // prepares what all queries share
-    found = measured_query(localizer, log);
+    found = query_stage(scans);
   } else {
-    std::fputs("usage: flirt_probe detect|describe|match|query\n", stderr);
+    std::fputs("instructions_probe: expected detect, describe, match, query_papers or query\n", stderr);
     return 1;
   }
-  std::printf("%zu scans, %zu found\n", log.scans.size(), found);
-  return found > 0 ? 0 : 3;
+  const auto best = hwy::SupportedTargets() & -hwy::SupportedTargets();  // the lowest bit is the best target
+  std::printf("target %s\ncompiler %s\nfound %zu\n", hwy::TargetName(best), compiler, found);
+  return 0;
 }
 
 }  // namespace
-}  // namespace flirt
+}  // namespace flirt::bench
 
 int main(int argc, char** argv) {
-  return flirt::run(argc == 2 ? argv[1] : "");
+  return flirt::bench::run(argc == 2 ? argv[1] : "");
 }

@@ -93,17 +93,24 @@ SolutionSetFinder::SolutionSetFinder(PlaceMap map, const SolutionSetParams& para
       matchers_(thread_count(threads), PairMatcher(params.match, params.ransac)) {}
 
 SolutionSet SolutionSetFinder::find(const Features& features, ScanInterval excluded) {
+  std::vector<std::uint32_t> map_scans;
+  map_scans.reserve(map_.size());
+  for (std::uint32_t scan = 0; scan < map_.size(); ++scan) {
+    if (!excluded.contains(scan)) { map_scans.push_back(scan); }
+  }
+  return find_among(features, map_scans);
+}
+
+SolutionSet SolutionSetFinder::find_among(const Features& features, std::span<const std::uint32_t> map_scans) {
   const KeypointTable table = table_of(features.keypoints);
   for (PairMatcher& matcher : matchers_) { matcher.set_query({table.columns(), rows_of(features.descriptors)}); }
 
   std::vector<Finds> parts(matchers_.size());
   constexpr std::size_t grain = 64;
   parallel_for(
-      map_.size(), matchers_.size(),
-      [&](std::size_t map_scan, std::size_t thread) {
-        if (!excluded.contains(map_scan)) {
-          match_map_scan(map_, map_scan, matchers_[thread], params_.ransac, parts[thread]);
-        }
+      map_scans.size(), matchers_.size(),
+      [&](std::size_t i, std::size_t thread) {
+        match_map_scan(map_, map_scans[i], matchers_[thread], params_.ransac, parts[thread]);
       },
       {}, grain);
   Finds finds = merged(std::move(parts));

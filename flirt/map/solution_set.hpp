@@ -17,6 +17,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -71,6 +72,8 @@ class SolutionSetFinder {
   /// there: a map scan's match depends on nothing but the query, that scan and the seed.
   /// O(map scans · query keypoints · keypoints a map scan).
   [[nodiscard]] SolutionSet find(const Features& features, ScanInterval excluded = {});
+  /// The same with `map_scans` alone, indices each once: an index's choice (word_index.hpp).
+  [[nodiscard]] SolutionSet find_among(const Features& features, std::span<const std::uint32_t> map_scans);
 
  private:
   PlaceMap map_;

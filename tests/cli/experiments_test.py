@@ -97,6 +97,28 @@ class Experiments(unittest.TestCase):
                 self.assertFalse(out.exists())
             self.assertEqual(run("bench", command).returncode, 1)
 
+    def test_speed_by_map_size_compares_the_index_with_the_exact_answer(self):
+        out = self.work / "speed"
+        self.ok("bench", "speed", "--sections", "map-size", "--sizes", "150,600", "--queries", 6, "--log", self.log, "-o", out,
+                "--quiet")
+        rows = self.rows(out / "speed-map-size.csv")
+        self.assertEqual([(row["map_scans"], row["method"]) for row in rows],
+                         [("150", "exact"), ("150", "words"), ("600", "exact"), ("600", "words")])
+        for row in rows:
+            self.assertGreater(float(row["recall_of_exact"]), 0.5, row)
+            self.assertGreater(float(row["right"]), 0.5, row)
+        self.assertTrue((out / "speed-map-size.svg").exists())
+        self.assertIn("map-size", json.loads((out / "speed.json").read_text()))
+        self.assertFalse((out / "speed-stages.csv").exists())
+
+    def test_speed_refuses_a_log_without_poses(self):
+        log = self.work / "no_poses.log"
+        log.write_text("FLASER 3 1.0 1.0 1.0 0 0 0 0 0 0 1.0 host 1.0\n")
+        done = run("bench", "speed", "--sections", "map-size", "--log", log, "-o", self.work / "refused")
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn("expected two or more scans with poses", done.stderr)
+        self.assertFalse((self.work / "refused").exists())
+
 
 if __name__ == "__main__":
     FLIRT = sys.argv.pop(1)
