@@ -45,10 +45,13 @@ std::string csv_of(const nlohmann::ordered_json& rows) {
     std::string head;
     std::string line;
     for (const auto& [key, value] : row.items()) {
-      head += (head.empty() ? "" : ",") + key;
-      line += (line.empty() ? "" : ",") + cell_text(value);
+      head += head.empty() ? "" : ",";
+      head += key;
+      line += line.empty() ? "" : ",";
+      line += cell_text(value);
     }
-    csv += (csv.empty() ? head + "\n" : "") + line + "\n";
+    csv += csv.empty() ? head.append("\n") : "";
+    csv += line.append("\n");
   }
   return csv;
 }
