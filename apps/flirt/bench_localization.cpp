@@ -83,6 +83,7 @@ int run(Options& options, const Session& session) {
     loaded.log = log_to_track(options.log, session);
   }
   std::vector<LoadedLog> others;
+  others.reserve(options.distractors.size());
   for (const std::string& other : options.distractors) { others.push_back(value_or_quit(read_log(other))); }
   const PlaceMap map = value_or_quit(
       build_place_map(loaded.log, options.features.features(), session.threads, progress_bar(session, "features")));

@@ -94,6 +94,7 @@ constexpr const char* dynamic_title = "Among people: no odometry, no closures, a
 Results run_all(const Options& options, const std::filesystem::path& folder, const Session& session) {
   Results results;
   std::vector<SlamInput> inputs;
+  inputs.reserve(options.logs.size());
   for (const std::string& text : options.logs) { inputs.push_back(read_slam_input(text, session)); }
   for (SlamInput& input : inputs) {
     thin(input, options.every);

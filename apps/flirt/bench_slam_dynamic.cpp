@@ -40,6 +40,7 @@ DynamicRun run_place(const std::string& place, const ScanLog& log, const std::st
       map_scans(log, method, OdometryUse::ignore, methods, session, progress_bar(session, place + " by " + method));
   const Pose2 truth_from_found = log.map_from_robot.front() * inverse(found.map_from_robot.front());
   std::vector<PosePair> pairs;
+  pairs.reserve(log.scans.size());
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
     run.map_from_robot.push_back(truth_from_found * found.map_from_robot[i]);
     pairs.push_back({log.scans[i].stamp, run.map_from_robot[i], log.map_from_robot[i]});
@@ -132,6 +133,7 @@ LongRun run_long(std::size_t scans, const SlamParams& params, const Session& ses
   }
   const double grown_mb = resident_mb() - early_mb;
   std::vector<PosePair> pairs;
+  pairs.reserve(log.scans.size());
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
     pairs.push_back({log.scans[i].stamp, slam.graph().map_from_node[i], log.map_from_robot[i]});
   }

@@ -181,8 +181,8 @@ int run(Options& options, const Session& session) {
   std::vector<TrackingSummary> summaries;
   for (const auto& [kind, name] : enum_names(DriveKind{})) {
     for (const Method& method : methods) {
-      TrackingSummary summary = summarise(outcomes, kind, method.initialisation, method.criterion, options.bench);
-      if (summary.drives > 0) { summaries.push_back(std::move(summary)); }
+      const TrackingSummary summary = summarise(outcomes, kind, method.initialisation, method.criterion, options.bench);
+      if (summary.drives > 0) { summaries.push_back(summary); }
     }
   }
   nlohmann::ordered_json json{{"log", options.log},

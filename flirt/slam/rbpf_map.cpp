@@ -95,7 +95,8 @@ double RbpfMap::squared_distance(Point2 in_map) const {
   };
   if (column > 0 && column < tile_mask && row > 0 && row < tile_mask) {
     const auto bits = [&](std::int32_t dy) {
-      return tile->occupied[static_cast<std::size_t>(row + dy)] >> (column - 1) & 7U;
+      const std::int32_t beside = row + dy;
+      return tile->occupied[static_cast<std::size_t>(beside)] >> (column - 1) & 7U;
     };
     // Nine cells, a bit each, three a row: only the occupied ones are looked at.
     for (std::uint32_t nine = bits(-1) | bits(0) << 3U | bits(1) << 6U; nine != 0; nine &= nine - 1) {

@@ -71,6 +71,7 @@ std::vector<Answer> largest_agreement(std::span<const Answer> all, std::span<con
 void add_edges(std::vector<PoseEdge>& edges, const Answer& answer, std::span<const Pose2> map_from_node) {
   constexpr std::size_t count = 3;
   std::vector<std::pair<double, std::uint32_t>> near;
+  near.reserve(map_from_node.size());
   for (std::uint32_t node = 0; node < map_from_node.size(); ++node) {
     near.emplace_back(distance(map_from_node[node], answer.place.map_from_robot) +
                           0.5 * heading_difference(map_from_node[node], answer.place.map_from_robot),
