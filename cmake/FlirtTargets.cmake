@@ -4,6 +4,7 @@ target_compile_features(flirt_options INTERFACE cxx_std_20)
 target_compile_options(flirt_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Werror)
 # Files compiled as one see each other's constants, which shadow nothing when each file is its own.
 target_compile_options(flirt_options INTERFACE $<$<NOT:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>>:-Wshadow>)
+target_compile_options(flirt_options INTERFACE $<$<AND:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>,$<CXX_COMPILER_ID:GNU>>:-Wno-subobject-linkage>)
 # GCC 12 sees overlaps in `"text" + string` that aren't there (its bug 105651).
 target_compile_options(flirt_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 # No multiply-add unless it is asked for: the same bits on processors with and without the instruction.
@@ -16,6 +17,12 @@ function(flirt_module name)
   file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/flirt/${name}/*.cpp")
   if(sources)
     add_library(flirt_${name} STATIC ${sources})
+    foreach(source ${sources})  # Highway compiles such a file once for each kind of processor
+      file(STRINGS "${source}" per_target REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)
+      if(per_target)
+        set_source_files_properties("${source}" PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+      endif()
+    endforeach()
     set(scope PUBLIC)
     target_link_libraries(flirt_${name} PRIVATE $<BUILD_INTERFACE:flirt_options>)
   else()

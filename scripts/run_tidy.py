@@ -3,6 +3,9 @@
 
 usage: scripts/run_tidy.py BUILD_DIR [FILE...]
 
+With a build that compiles several sources as one (preset `tidy`), in less than half the time: headers are read once for all
+of them. With `dev` one source at a time.
+
 A source that passed is not looked at again until it, a header of this project that it includes, its compile command,
 .clang-tidy or the linter changes: BUILD_DIR/tidy-passed holds one empty file per source that passed, named by a hash of
 all that. System headers are taken not to change; delete the folder to start anew.
@@ -20,7 +23,9 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # GCC's flags that clang does not know, and the deprecated parts that GCC's own std::stable_sort uses.
 EXTRA = ["--extra-arg=-Wno-unknown-warning-option", "--extra-arg=-Wno-deprecated-declarations"]
-INCLUDE = re.compile(rb'^\s*#\s*include\s*"((?:flirt|apps)/[^"]+)"', re.MULTILINE)
+# A source of the library or the program, or several of them as one.
+WANTED = re.compile(r"/(flirt|apps)/[^/]+/[^/]+\.cpp$|/(flirt_[a-z]+)\.dir/Unity/[^/]+$")
+INCLUDE = re.compile(rb'^\s*#\s*include\s*"((?:/[^"]*/)?(?:flirt|apps)/[^"]+)"', re.MULTILINE)
 
 
 def project_files(source: pathlib.Path) -> list[pathlib.Path]:
@@ -47,7 +52,7 @@ def main() -> int:
     start = time.monotonic()
     build = pathlib.Path(sys.argv[1])
     commands = json.loads((build / "compile_commands.json").read_text())
-    entries = {entry["file"]: entry for entry in commands if re.search(r"/(flirt|apps)/[^/]+/[^/]+$", entry["file"])}
+    entries = {entry["file"]: entry for entry in commands if WANTED.search(entry["file"])}
     if len(sys.argv) > 2:
         wanted = {str(pathlib.Path(name).resolve()) for name in sys.argv[2:]}
         entries = {name: entry for name, entry in entries.items() if name in wanted}
@@ -58,7 +63,8 @@ def main() -> int:
     passed.mkdir(exist_ok=True)
     keys = {name: key_of(entry, common) for name, entry in entries.items()}
     # The largest first, so that none is left over at the end for one core alone.
-    todo = sorted((name for name in entries if not (passed / keys[name]).exists()), key=os.path.getsize, reverse=True)
+    size = {name: sum(path.stat().st_size for path in project_files(pathlib.Path(name))) for name in entries}
+    todo = sorted((name for name in entries if not (passed / keys[name]).exists()), key=size.get, reverse=True)
 
     def tidy(source: str) -> tuple[str, int, str]:
         run = subprocess.run(

@@ -11,7 +11,7 @@
 namespace flirt::app {
 namespace {
 
-struct Options {
+struct BenchAblationOptions {
   LocationFlags locations;
   std::string out;
   AblationParams bench;
@@ -88,7 +88,7 @@ void print(const Table& table) {
   }
 }
 
-int run(Options& options, const Session& session) {
+int run(BenchAblationOptions& options, const Session& session) {
   options.bench.localization.seed = session.seed;
   options.bench.detectors.transforms.seed = session.seed;
   const ReferenceLocations reference = read_locations(options.locations, session);
@@ -127,7 +127,7 @@ int run(Options& options, const Session& session) {
 }  // namespace
 
 void add_bench_ablation(CLI::App& bench, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchAblationOptions>();
   CLI::App* command = add_command(bench, session, "ablation",
                                   "The papers' localization and repeatability with one choice changed at a time.",
                                   "flirt bench ablation aces.log.gz fr101.log.gz -o results");

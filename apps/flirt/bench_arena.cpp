@@ -16,7 +16,7 @@
 namespace flirt::app {
 namespace {
 
-struct Options {
+struct BenchArenaOptions {
   std::string log;
   std::string out;
   std::vector<std::string> detectors;
@@ -26,8 +26,8 @@ struct Options {
   ParamFlags params;
 };
 
-Cells cells_of(const Rate& rate) {
-  return app::cells_of(rate.value(), rate.wilson());
+Cells rate_cells(const Rate& rate) {
+  return cells_of(rate.value(), rate.wilson());
 }
 
 /// One line per contender, ours first.
@@ -45,11 +45,11 @@ Table contenders_table(const Arena& arena) {
   table.header.insert(table.header.end(), {"detect_us", "describe_us", "match_us"});
   for (const ContenderResult& result : arena.contenders) {
     Cells row = joined({{result.detector, result.descriptor, result.matcher, result.keypoints},
-                        cells_of(result.repeatability),
+                        rate_cells(result.repeatability),
                         {result.average_precision}});
     for (const ArenaProtocolResult& own : result.protocols) {
       row = joined({row,
-                    cells_of(own.by_residual),
+                    rate_cells(own.by_residual),
                     {own.by_inliers.value(), own.recall_at_95, own.with_default.only_first,
                      own.with_default.only_second, own.with_default.p_value()}});
     }
@@ -70,9 +70,9 @@ Table shortlists_table(const Arena& arena) {
     for (const ArenaProtocol protocol : arena_protocols) {
       const auto& recall = result.recall[static_cast<std::size_t>(protocol)];
       table.rows.push_back(joined({{result.detector, to_string(protocol)},
-                                   cells_of(recall[0]),
-                                   cells_of(recall[1]),
-                                   cells_of(recall[2]),
+                                   rate_cells(recall[0]),
+                                   rate_cells(recall[1]),
+                                   rate_cells(recall[2]),
                                    {result.build_us, result.compare_us}}));
     }
   }
@@ -131,7 +131,7 @@ svg::Figure figure(const Arena& arena, ArenaProtocol protocol) {
   return figure;
 }
 
-std::string introduction(const Options& options, const Arena& arena) {
+std::string introduction(const BenchArenaOptions& options, const Arena& arena) {
   return fmt::format(
       "{}: {} queries against {} scans; under “revisit” (10 m of travel around the query leave the map) {} of them "
       "can be answered. “paper” and “revisit” are right poses (0.5 m, 10°) of the match with the least residual, "
@@ -143,7 +143,7 @@ std::string introduction(const Options& options, const Arena& arena) {
       options.log, arena.queries, arena.scans, arena.answerable, options.arena.common_radius);
 }
 
-nlohmann::ordered_json arena_json(const Options& options, const Arena& arena) {
+nlohmann::ordered_json arena_json(const BenchArenaOptions& options, const Arena& arena) {
   nlohmann::ordered_json json{{"experiment", "arena"},
                               {"log", options.log},
                               {"every", options.arena.every},
@@ -157,7 +157,7 @@ nlohmann::ordered_json arena_json(const Options& options, const Arena& arena) {
   return json;
 }
 
-void write_all(const Options& options, const Arena& arena, const nlohmann::ordered_json& json) {
+void write_all(const BenchArenaOptions& options, const Arena& arena, const nlohmann::ordered_json& json) {
   const std::filesystem::path out = value_or_quit(folder_for_results(options.out));
   HtmlReport page("The arena");
   page.paragraph(introduction(options, arena));
@@ -207,7 +207,7 @@ void print(const Arena& arena) {
   }
 }
 
-int run(Options& options, const Session& session) {
+int run(BenchArenaOptions& options, const Session& session) {
   options.params.resolve(session.config);
   const LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
   if (loaded.log.map_from_robot.empty()) {
@@ -234,7 +234,7 @@ std::vector<std::string> names_of(const std::vector<Named>& list) {
 }  // namespace
 
 void add_bench_arena(CLI::App& bench, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchArenaOptions>();
   CLI::App* command = add_command(bench, session, "arena",
                                   "Ours and rival detectors, descriptors and matchers in every combination, in both "
                                   "localization protocols.",

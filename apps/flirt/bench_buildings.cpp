@@ -23,7 +23,7 @@
 namespace flirt::app {
 namespace {
 
-struct Options {
+struct BenchBuildingsOptions {
   std::vector<std::string> maps;  ///< YAML files of grid maps; none: offices
   std::vector<std::uint64_t> office_seeds{1};
   std::vector<double> fields_of_view{180, 270, 360};  ///< degrees
@@ -51,7 +51,8 @@ struct Row {
 };
 
 /// Driven twice: the first round makes the map, places of the second are asked.
-Building office_of(const Options& options, const LidarParams& lidar, std::uint64_t seed, const Session& session) {
+Building office_of(const BenchBuildingsOptions& options, const LidarParams& lidar, std::uint64_t seed,
+                   const Session& session) {
   OfficeParams office = options.office;
   office.seed = seed;
   const SimulateParams params{
@@ -73,7 +74,7 @@ Building office_of(const Options& options, const LidarParams& lidar, std::uint64
 }
 
 /// Asked from all over its free space, in any direction.
-Building grid_map_of(const Options& options, const std::string& path, const Session& session) {
+Building grid_map_of(const BenchBuildingsOptions& options, const std::string& path, const Session& session) {
   constexpr double robot_radius = 0.3;  // m
   constexpr double spacing = 0.5;       // m
   const GridMapImage grid = value_or_quit(read_grid_map(path));
@@ -90,8 +91,8 @@ Building grid_map_of(const Options& options, const std::string& path, const Sess
   return building;
 }
 
-void run_building(const Options& options, const Building& building, const LidarParams& lidar, const Session& session,
-                  std::vector<Row>& rows) {
+void run_building(const BenchBuildingsOptions& options, const Building& building, const LidarParams& lidar,
+                  const Session& session, std::vector<Row>& rows) {
   for (const double people : options.people) {
     const BuildingBenchParams params{
         .people = people / 100, .localize = options.localize.localize(session.seed), .seed = session.seed};
@@ -126,7 +127,8 @@ nlohmann::ordered_json rate_json(const Rate& rate) {
   return {{"right", rate.hits}, {"of", rate.total}, {"rate", rate.value()}, {"wilson", {wilson.low, wilson.high}}};
 }
 
-nlohmann::ordered_json buildings_json(const Options& options, const std::vector<Row>& rows, const Session& session) {
+nlohmann::ordered_json buildings_json(const BenchBuildingsOptions& options, const std::vector<Row>& rows,
+                                      const Session& session) {
   nlohmann::ordered_json json{{"buildings", nlohmann::ordered_json::array()}};
   for (const Row& row : rows) {
     json["buildings"].push_back({{"building", row.building},
@@ -171,7 +173,7 @@ void print(const std::vector<Row>& rows) {
              rate_text(all.twins_right), rate_text(all.called_unique), rate_text(all.unique_right));
 }
 
-int run(Options& options, const Session& session) {
+int run(BenchBuildingsOptions& options, const Session& session) {
   options.params.resolve(session.config);
   std::filesystem::path out;
   if (!options.out.empty()) { out = value_or_quit(folder_for_results(options.out)); }
@@ -205,7 +207,7 @@ int run(Options& options, const Session& session) {
 }  // namespace
 
 void add_bench_buildings(CLI::App& bench, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchBuildingsOptions>();
   CLI::App* command = add_command(bench, session, "buildings",
                                   "Find single scans in buildings with exact truth, with people in the way.",
                                   "flirt bench buildings --office-seeds 1,2 --people 0,30 -o results");

@@ -18,17 +18,14 @@ namespace {
 
 constexpr std::size_t bootstrap_draw_count = 500;
 
-struct Options {
+struct BenchDescriptorsOptions {
   LocationFlags locations;
   std::string out;
   bool rivals{false};
   DescriptorBenchParams bench;
 };
 
-constexpr std::array regions{RegionRule::native, RegionRule::common};
 constexpr std::array pair_rules{PairRule::all, PairRule::nearest};
-constexpr std::array transforms{ScanTransform::viewpoint, ScanTransform::noise, ScanTransform::subsampling,
-                                ScanTransform::oversampling};
 
 std::string name_of(const DescriptorBench& bench, std::size_t entry) {
   const FeatureMethod& method = bench.methods[bench.entries[entry].method];
@@ -48,7 +45,7 @@ std::vector<EntryScore> scores_of(const DescriptorBench& bench, RegionRule regio
   const auto draws = bootstrap_draws(bench.locations.size(), bootstrap_draw_count, seed);
   std::vector<EntryScore> scores(bench.entries.size());
   parallel_for(scores.size(), threads, [&](std::size_t e, std::size_t) {
-    for (const ScanTransform transform : transforms) {
+    for (const ScanTransform transform : all_transforms) {
       scores[e].by_transform[static_cast<std::size_t>(transform)] =
           average_precision(bench.at({e, region, pairs, transform}), draws);
     }
@@ -62,8 +59,8 @@ std::size_t best_of(const std::vector<EntryScore>& scores) {
   return static_cast<std::size_t>(std::max_element(scores.begin(), scores.end(), lower) - scores.begin());
 }
 
-Cells cells_of(const AveragePrecision& score) {
-  return flirt::app::cells_of(score.value, middle_95(score.draws));
+Cells precision_cells(const AveragePrecision& score) {
+  return cells_of(score.value, middle_95(score.draws));
 }
 
 /// Every entry against the best and against the papers' choice, at the same draws of locations.
@@ -75,24 +72,24 @@ Table ranking_table(const std::string& name, const std::string& title, const Des
     for (const char* part : {"", "_low", "_high"}) { table.header.push_back(std::string(column) + part); }
   }
   table.header.insert(table.header.end(), {"correspondences", "locations"});
-  for (const RegionRule region : regions) {
+  for (const RegionRule region : region_rules) {
     for (const PairRule pairs : pair_rules) {
       const std::vector<EntryScore> scores = scores_of(bench, region, pairs, session.seed, session.threads);
       const EntryScore& best = scores[best_of(scores)];
       for (std::size_t e = 0; e < scores.size(); ++e) {
         std::size_t correspondences = 0;
-        for (const ScanTransform transform : transforms) {
+        for (const ScanTransform transform : all_transforms) {
           correspondences += total(bench.at({e, region, pairs, transform})).correspondences;
         }
         const auto& own = scores[e].by_transform;
         table.rows.push_back(joined({{to_string(region), to_string(pairs), name_of(bench, e)},
-                                     cells_of(scores[e].mean),
-                                     cells_of(own[0]),
-                                     cells_of(own[1]),
-                                     cells_of(own[2]),
-                                     cells_of(own[3]),
-                                     cells_of(difference(best.mean, scores[e].mean)),
-                                     cells_of(difference(scores[0].mean, scores[e].mean)),
+                                     precision_cells(scores[e].mean),
+                                     precision_cells(own[0]),
+                                     precision_cells(own[1]),
+                                     precision_cells(own[2]),
+                                     precision_cells(own[3]),
+                                     precision_cells(difference(best.mean, scores[e].mean)),
+                                     precision_cells(difference(scores[0].mean, scores[e].mean)),
                                      {correspondences, bench.locations.size()}}));
       }
     }
@@ -105,10 +102,10 @@ Table curves_table(const std::string& name, const DescriptorBench& bench) {
       .name = name,
       .title = "Precision over recall",
       .header = {"regions", "pairs", "features", "transform", "threshold", "precision", "recall", "scan_pairs"}};
-  for (const RegionRule region : regions) {
+  for (const RegionRule region : region_rules) {
     for (const PairRule pairs : pair_rules) {
       for (std::size_t e = 0; e < bench.entries.size(); ++e) {
-        for (const ScanTransform transform : transforms) {
+        for (const ScanTransform transform : all_transforms) {
           for (const MatchingPoint& point : matching_curve(total(bench.at({e, region, pairs, transform})))) {
             const double threshold = distance_threshold(bench.entries[e].distance, point.threshold);
             table.rows.push_back({to_string(region), to_string(pairs), name_of(bench, e), to_string(transform),
@@ -146,7 +143,7 @@ svg::Series curve_series(const std::string& legend, const MatchingCounts& counts
 /// P2 Fig. 7: a panel per transform.
 svg::Figure figure(const std::string& title, const DescriptorBench& bench, RegionRule region, PairRule pairs) {
   svg::Figure figure{.title = title, .columns = 2};
-  for (const ScanTransform transform : transforms) {
+  for (const ScanTransform transform : all_transforms) {
     svg::Chart chart{.title = std::string(to_string(transform)),
                      .x = {.label = "recall", .low = 0.0, .high = 1.0},
                      .y = {.label = "precision", .low = 0.0, .high = 1.0}};
@@ -160,7 +157,7 @@ svg::Figure figure(const std::string& title, const DescriptorBench& bench, Regio
   return figure;
 }
 
-void print(const Table& ranking) {
+void print_ranking(const Table& ranking) {
   fmt::print("{}\n", ranking.title);
   for (const auto& row : ranking.rows) {
     fmt::print("  {:<7} {:<8} {:<44} {:.3f} [{:.3f}, {:.3f}]   behind the best by {:.3f} [{:+.3f}, {:+.3f}]\n",
@@ -170,9 +167,9 @@ void print(const Table& ranking) {
   }
 }
 
-void write_all(const Options& options, const ReferenceLocations& reference, const DescriptorBench& papers,
-               const DescriptorBench& variants, const Table& ranking, const Table& variant_ranking,
-               const nlohmann::ordered_json& json) {
+void write_all(const BenchDescriptorsOptions& options, const ReferenceLocations& reference,
+               const DescriptorBench& papers, const DescriptorBench& variants, const Table& ranking,
+               const Table& variant_ranking, const nlohmann::ordered_json& json) {
   const std::filesystem::path out = value_or_quit(folder_for_results(options.out));
   HtmlReport page("Which features tell places apart?");
   page.paragraph(
@@ -181,7 +178,7 @@ void write_all(const Options& options, const ReferenceLocations& reference, cons
                   "is below {}. Intervals: 95 % by drawing the locations again.",
                   papers.locations.size(), reference.logs.size(), papers.scans[0], papers.scans[1], papers.scans[2],
                   papers.scans[3], options.bench.overlap_error));
-  for (const RegionRule region : regions) {
+  for (const RegionRule region : region_rules) {
     for (const PairRule pairs : pair_rules) {
       const std::string title = fmt::format("Matching, {} regions, {} pairs", to_string(region), to_string(pairs));
       const std::string drawing = svg::to_svg(figure(title, papers, region, pairs));
@@ -203,7 +200,7 @@ void write_all(const Options& options, const ReferenceLocations& reference, cons
   value_or_quit(write_file_atomically(out / "report.html", page.text()));
 }
 
-int run(Options& options, const Session& session) {
+int run(BenchDescriptorsOptions& options, const Session& session) {
   options.bench.transforms.seed = session.seed;
   const ReferenceLocations reference = read_locations(options.locations, session);
   const auto bench = [&](const std::vector<FeatureMethod>& methods, const std::string& label) {
@@ -233,8 +230,8 @@ int run(Options& options, const Session& session) {
   if (!options.out.empty()) { write_all(options, reference, papers, variants, ranking, variant_ranking, json); }
   write_json(session, json);
   if (session.talks()) {
-    print(ranking);
-    print(variant_ranking);
+    print_ranking(ranking);
+    print_ranking(variant_ranking);
   }
   return exit_done;
 }
@@ -242,7 +239,7 @@ int run(Options& options, const Session& session) {
 }  // namespace
 
 void add_bench_descriptors(CLI::App& bench, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchDescriptorsOptions>();
   CLI::App* command = add_command(bench, session, "descriptors",
                                   "Precision and recall of detectors with descriptors under changes of the scan (P2 "
                                   "Fig. 7).",

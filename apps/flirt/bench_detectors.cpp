@@ -13,7 +13,7 @@
 namespace flirt::app {
 namespace {
 
-struct Options {
+struct BenchDetectorsOptions {
   LocationFlags locations;
   std::string out;
   bool rivals{false};
@@ -26,10 +26,6 @@ struct Selection {
   DetectorBench bench;
 };
 
-constexpr std::array rules{RegionRule::native, RegionRule::common};
-constexpr std::array transforms{ScanTransform::viewpoint, ScanTransform::noise, ScanTransform::subsampling,
-                                ScanTransform::oversampling};
-
 std::string rule_text(RegionRule rule, double common_radius) {
   return rule == RegionRule::native ? "support regions" : fmt::format("all regions {:.2g} m", common_radius);
 }
@@ -40,7 +36,7 @@ Table curves_table(const std::vector<Selection>& selections, std::uint64_t seed)
               .header = {"selection", "regions", "detector", "transform", "level", "repeatability", "repeatability_low",
                          "repeatability_high", "locations", "scan_pairs", "keypoints", "present", "corresponding"}};
   for (const auto& [name, bench] : selections) {
-    for (const RegionRule rule : rules) {
+    for (const RegionRule rule : region_rules) {
       for (std::size_t v = 0; v < bench.variants.size(); ++v) {
         for (std::size_t c = 0; c < bench.conditions.size(); ++c) {
           const Mean mean = bootstrap_mean(location_scores(bench, v, rule, c), seed);
@@ -74,8 +70,8 @@ Table summary_table(const std::vector<Selection>& selections, std::uint64_t seed
                          "repeatability_high", "curvature_leads_by", "curvature_leads_by_low",
                          "curvature_leads_by_high", "locations", "keypoints_a_scan"}};
   for (const auto& [name, bench] : selections) {
-    for (const RegionRule rule : rules) {
-      for (const ScanTransform transform : transforms) {
+    for (const RegionRule rule : region_rules) {
+      for (const ScanTransform transform : all_transforms) {
         const std::vector<double> curvature = location_scores(bench, 0, rule, transform);
         for (std::size_t v = 0; v < bench.variants.size(); ++v) {
           const std::vector<double> scores = location_scores(bench, v, rule, transform);
@@ -93,12 +89,13 @@ Table summary_table(const std::vector<Selection>& selections, std::uint64_t seed
 }
 
 /// P2 Fig. 6: a panel per transform.
-svg::Figure figure(const Selection& selection, RegionRule rule, const Options& options, std::uint64_t seed) {
+svg::Figure figure(const Selection& selection, RegionRule rule, const BenchDetectorsOptions& options,
+                   std::uint64_t seed) {
   const DetectorBench& bench = selection.bench;
   svg::Figure figure{
       .title = fmt::format("Repeatability, {}, {}", selection.name, rule_text(rule, options.bench.common_radius)),
       .columns = 2};
-  for (const ScanTransform transform : transforms) {
+  for (const ScanTransform transform : all_transforms) {
     svg::Chart chart{.title = std::string(to_string(transform)),
                      .x = {.label = level_label(transform)},
                      .y = {.label = "repeatability", .low = 0.0, .high = 1.0}};
@@ -120,8 +117,8 @@ svg::Figure figure(const Selection& selection, RegionRule rule, const Options& o
   return figure;
 }
 
-nlohmann::ordered_json bench_json(const Options& options, const Session& session, const ReferenceLocations& reference,
-                                  const Table& curves, const Table& summary) {
+nlohmann::ordered_json bench_json(const BenchDetectorsOptions& options, const Session& session,
+                                  const ReferenceLocations& reference, const Table& curves, const Table& summary) {
   nlohmann::ordered_json json{{"experiment", "detectors"},
                               {"logs", reference.names},
                               {"locations", reference.locations.size()},
@@ -148,7 +145,7 @@ void print(const ReferenceLocations& reference, const Table& summary) {
 }
 
 /// What was run, and how to read it.
-std::string introduction(const Options& options, const ReferenceLocations& reference) {
+std::string introduction(const BenchDetectorsOptions& options, const ReferenceLocations& reference) {
   return fmt::format(
       "{} reference locations of {} logs (P2 §IV-B, Fig. 6). Two interest points correspond when their regions' "
       "overlap "
@@ -162,13 +159,13 @@ std::string introduction(const Options& options, const ReferenceLocations& refer
       options.bench.repeatability.presence);
 }
 
-void write_all(const Options& options, const Session& session, const ReferenceLocations& reference,
+void write_all(const BenchDetectorsOptions& options, const Session& session, const ReferenceLocations& reference,
                const std::vector<Selection>& selections, const std::vector<Table>& tables) {
   const std::filesystem::path out = value_or_quit(folder_for_results(options.out));
   HtmlReport page("Which detector finds the same places again?");
   page.paragraph(introduction(options, reference));
   for (const Selection& selection : selections) {
-    for (const RegionRule rule : rules) {
+    for (const RegionRule rule : region_rules) {
       const std::string drawing = svg::to_svg(figure(selection, rule, options, session.seed));
       const std::string name = selection.name == "default" ? "default" : "as-printed";
       value_or_quit(
@@ -183,7 +180,7 @@ void write_all(const Options& options, const Session& session, const ReferenceLo
   value_or_quit(write_file_atomically(out / "report.html", page.text()));
 }
 
-int run(Options& options, const Session& session) {
+int run(BenchDetectorsOptions& options, const Session& session) {
   options.bench.transforms.seed = session.seed;
   const ReferenceLocations reference = read_locations(options.locations, session);
   const auto bench = [&](const std::vector<DetectorVariant>& variants, const std::string& label) {
@@ -208,7 +205,7 @@ int run(Options& options, const Session& session) {
 }  // namespace
 
 void add_bench_detectors(CLI::App& bench, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchDetectorsOptions>();
   CLI::App* command =
       add_command(bench, session, "detectors", "Repeatability of the detectors under changes of the scan (P2 Fig. 6).",
                   "flirt bench detectors fr079.log.gz intel.log.gz csail.log.gz -o results");

@@ -23,7 +23,7 @@
 namespace flirt::app {
 namespace {
 
-struct Options {
+struct BenchLocalizationOptions {
   std::string log;
   std::string out;
   std::string protocol{"paper"};
@@ -37,7 +37,7 @@ struct Options {
 };
 
 /// The variants that were asked for, `full` always first.
-std::vector<LocalizationVariant> variants_of(const Options& options) {
+std::vector<LocalizationVariant> variants_of(const BenchLocalizationOptions& options) {
   std::vector<LocalizationVariant> variants = localization_variants(options.bench.localize);
   if (options.variants.empty()) { return variants; }
   std::vector<LocalizationVariant> asked{variants.front()};
@@ -62,7 +62,7 @@ void write_files(const std::filesystem::path& out, const LocalizationRun& run, c
   value_or_quit(write_file_atomically(out / "report.html", localization_page(run, log)));
 }
 
-int run(Options& options, const Session& session) {
+int run(BenchLocalizationOptions& options, const Session& session) {
   options.params.resolve(session.config);
   options.bench.seed = session.seed;
   options.bench.localize = options.localize.localize(session.seed);
@@ -116,7 +116,7 @@ int run(Options& options, const Session& session) {
 }  // namespace
 
 void add_bench_localization(CLI::App& bench, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchLocalizationOptions>();
   CLI::App* command =
       add_command(bench, session, "localization", "Find single scans of a log in the map of its other scans.",
                   "flirt bench localization fr079.log.gz --protocol revisit --every 3 -o results");

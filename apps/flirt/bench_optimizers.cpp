@@ -18,7 +18,7 @@
 namespace flirt::app {
 namespace {
 
-struct Options {
+struct BenchOptimizersOptions {
   std::vector<std::string> logs;
   OptimizeParams optimize;
   ParamFlags params;
@@ -38,12 +38,12 @@ double cpu_seconds() {
   return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
 }
 
-nlohmann::ordered_json error_json(const TrajectoryError& error) {
+nlohmann::ordered_json short_error_json(const TrajectoryError& error) {
   return {
       {"ate_m", error.translation.rmse}, {"max_m", error.translation.max}, {"ate_deg", error.rotation_degrees.rmse}};
 }
 
-nlohmann::ordered_json run_backend(const Options& options, Backend backend, const PoseGraph& start,
+nlohmann::ordered_json run_backend(const BenchOptimizersOptions& options, Backend backend, const PoseGraph& start,
                                    const std::vector<Pose2>& published) {
   PoseGraph graph = start;
   OptimizeParams params = options.optimize;
@@ -55,11 +55,11 @@ nlohmann::ordered_json run_backend(const Options& options, Backend backend, cons
                               {"wall_seconds", summary.seconds},  {"iterations", summary.iterations},
                               {"converged", summary.converged},   {"initial_chi2", summary.initial_chi2},
                               {"final_chi2", summary.final_chi2}, {"rejected", summary.rejected.size()}};
-  json.update(error_json(error_against(published, graph)));
+  json.update(short_error_json(error_against(published, graph)));
   return json;
 }
 
-nlohmann::ordered_json bench_log(const Options& options, const std::string& log) {
+nlohmann::ordered_json bench_log(const BenchOptimizersOptions& options, const std::string& log) {
   const GraphFile file = value_or_quit(read_toro_graph(log));
   PoseGraph start = file.graph;
   chain_motion(start);
@@ -67,7 +67,7 @@ nlohmann::ordered_json bench_log(const Options& options, const std::string& log)
                               {"nodes", start.map_from_node.size()},
                               {"edges", start.edges.size()},
                               {"chi2_of_published", chi2(file.graph)},
-                              {"start", error_json(error_against(file.graph.map_from_node, start))},
+                              {"start", short_error_json(error_against(file.graph.map_from_node, start))},
                               {"runs", nlohmann::ordered_json::array()}};
   for (const Backend backend : {Backend::ceres, Backend::toro}) {
     json["runs"].push_back(run_backend(options, backend, start, file.graph.map_from_node));
@@ -86,7 +86,7 @@ void print(const nlohmann::ordered_json& log) {
   }
 }
 
-int run(const Options& options, const Session& session) {
+int run(const BenchOptimizersOptions& options, const Session& session) {
   options.params.resolve(session.config);
   nlohmann::ordered_json json{{"logs", nlohmann::ordered_json::array()}};
   for (const std::string& log : options.logs) {
@@ -102,7 +102,7 @@ int run(const Options& options, const Session& session) {
 }  // namespace
 
 void add_bench_optimizers(CLI::App& bench, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchOptimizersOptions>();
   CLI::App* command = add_command(bench, session, "optimizers",
                                   "Pose-graph back-ends on a file's own graph, from its chained motion edges.",
                                   "flirt bench optimizers flirtlib-fr079.log.gz flirtlib-intel-lab.log.gz");

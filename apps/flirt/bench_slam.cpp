@@ -19,7 +19,7 @@
 namespace flirt::app {
 namespace {
 
-struct Options {
+struct BenchSlamOptions {
   std::vector<std::string> logs;
   std::string out;
   std::vector<std::string> methods;
@@ -55,7 +55,7 @@ void write_trajectory(const std::filesystem::path& folder, const SlamInput& inpu
   value_or_quit(write_tum(folder / (name_of(input, row) + ".tum"), poses));
 }
 
-SlamTable run_log(const Options& options, SlamInput input, const std::filesystem::path& folder,
+SlamTable run_log(const BenchSlamOptions& options, SlamInput input, const std::filesystem::path& folder,
                   const Session& session) {
   SlamTable table{.input = std::move(input), .rows = {}};
   table.rows = rows_of_log(table.input, session);
@@ -70,7 +70,7 @@ SlamTable run_log(const Options& options, SlamInput input, const std::filesystem
   return table;
 }
 
-std::vector<DynamicRun> run_crowds(const Options& options, const Session& session) {
+std::vector<DynamicRun> run_crowds(const BenchSlamOptions& options, const Session& session) {
   if (!options.dynamic) { return {}; }
   SlamMethods params = options.params;
   params.slam.window = options.window;
@@ -91,7 +91,7 @@ constexpr const char* paper_title = "Table 2 of the navigation paper: relations,
 constexpr const char* starts_title = "Jittered starts, no odometry";
 constexpr const char* dynamic_title = "Among people: no odometry, no closures, a sliding window";
 
-Results run_all(const Options& options, const std::filesystem::path& folder, const Session& session) {
+Results run_all(const BenchSlamOptions& options, const std::filesystem::path& folder, const Session& session) {
   Results results;
   std::vector<SlamInput> inputs;
   inputs.reserve(options.logs.size());
@@ -154,7 +154,7 @@ std::string report(const Results& results) {
   return html.text();
 }
 
-nlohmann::ordered_json json_of(const Options& options, const Results& results, const Session& session) {
+nlohmann::ordered_json json_of(const BenchSlamOptions& options, const Results& results, const Session& session) {
   nlohmann::ordered_json json{{"logs", runs_json(results.tables)},
                               {"starts", starts_json(results.starts)},
                               {"dynamic", dynamic_json(results.dynamic)},
@@ -168,7 +168,7 @@ nlohmann::ordered_json json_of(const Options& options, const Results& results, c
   return json;
 }
 
-int run(Options& options, const Session& session) {
+int run(BenchSlamOptions& options, const Session& session) {
   options.flags.resolve(session.config);
   if (options.logs.empty() && !options.dynamic && options.long_scans == 0) {
     throw UsageError("bench slam: expected --log, --dynamic or --long, found none of them");
@@ -186,7 +186,7 @@ int run(Options& options, const Session& session) {
 }  // namespace
 
 void add_bench_slam(CLI::App& bench, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchSlamOptions>();
   options->methods = slam_methods();
   CLI::App* command = add_command(
       bench, session, "slam", "Every way to map beside every other: errors, sharpness, closures, time, memory.",

@@ -27,7 +27,7 @@ struct Experiment {
 constexpr std::array experiments{Experiment{"stages", speed_stages}, Experiment{"map-size", speed_map_size},
                                  Experiment{"map-area", speed_map_area}};
 
-struct Options {
+struct BenchSpeedOptions {
   std::string out;
   std::vector<std::string> sections{"all"};
   SpeedOptions speed;
@@ -56,12 +56,12 @@ std::string csv_of(const nlohmann::ordered_json& rows) {
   return csv;
 }
 
-bool is_chosen(const Options& options, std::string_view name) {
+bool is_chosen(const BenchSpeedOptions& options, std::string_view name) {
   return std::ranges::any_of(options.sections,
                              [name](const std::string& section) { return section == "all" || section == name; });
 }
 
-int run(const Options& options, const Session& session) {
+int run(const BenchSpeedOptions& options, const Session& session) {
   nlohmann::ordered_json json;
   for (const Experiment& experiment : experiments) {
     if (!is_chosen(options, experiment.name)) { continue; }
@@ -95,7 +95,7 @@ double cpu_us() {
 }
 
 void add_bench_speed(CLI::App& bench, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchSpeedOptions>();
   CLI::App* command = add_command(bench, session, "speed", "How long things take, and how that grows.",
                                   "flirt bench speed --sections stages,map-size --sizes 1000,10000 -o results");
   std::vector<std::string> names{"all"};

@@ -21,7 +21,7 @@
 namespace flirt::app {
 namespace {
 
-struct Options {
+struct BenchTrackingOptions {
   std::string log;
   std::string drives_log;
   std::vector<std::string> foreign;
@@ -134,8 +134,8 @@ void print(const std::vector<TrackingSummary>& summaries) {
 }
 
 /// Drives of one log, of the kinds asked for, by each way to start.
-void add_outcomes(const PlaceMap& map, const ScanLog& log, std::vector<TrackedDrive> drives, const Options& options,
-                  const Session& session, std::vector<DriveOutcome>& outcomes) {
+void add_outcomes(const PlaceMap& map, const ScanLog& log, std::vector<TrackedDrive> drives,
+                  const BenchTrackingOptions& options, const Session& session, std::vector<DriveOutcome>& outcomes) {
   if (!options.kinds.empty()) {
     std::erase_if(drives, [&](const TrackedDrive& drive) {
       return std::ranges::find(options.kinds, to_string(drive.kind)) == options.kinds.end();
@@ -150,7 +150,7 @@ void add_outcomes(const PlaceMap& map, const ScanLog& log, std::vector<TrackedDr
   }
 }
 
-std::vector<DriveOutcome> all_outcomes(const Options& options, const Session& session, const ScanLog& log,
+std::vector<DriveOutcome> all_outcomes(const BenchTrackingOptions& options, const Session& session, const ScanLog& log,
                                        const PlaceMap& map) {
   std::vector<DriveOutcome> outcomes;
   if (options.drives_log.empty()) {
@@ -167,7 +167,7 @@ std::vector<DriveOutcome> all_outcomes(const Options& options, const Session& se
   return outcomes;
 }
 
-int run(Options& options, const Session& session) {
+int run(BenchTrackingOptions& options, const Session& session) {
   options.params.resolve(session.config);
   options.bench.seed = session.seed;
   options.bench.tracker.localize = options.localize.localize(session.seed);
@@ -209,7 +209,7 @@ int run(Options& options, const Session& session) {
 }  // namespace
 
 void add_bench_tracking(CLI::App& bench, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchTrackingOptions>();
   CLI::App* command = add_command(bench, session, "tracking",
                                   "Drives from unknown starts: scans until localized, and wrong convergences.",
                                   "flirt bench tracking aces.log.gz --foreign fr101.log.gz -o results");

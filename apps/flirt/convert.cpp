@@ -20,7 +20,7 @@
 namespace flirt::app {
 namespace {
 
-struct Options {
+struct ConvertOptions {
   std::string in;
   std::string out;
   std::string to;
@@ -45,7 +45,7 @@ void lose_lines(Content& content, const LineCounts& skipped) {
   lose(content, !list.empty(), "lines that were not read: " + list);
 }
 
-void read_carmen_content(const Options& options, const Session& session, Content& content) {
+void read_carmen_content(const ConvertOptions& options, const Session& session, Content& content) {
   LoadedLog loaded = value_or_quit(read_log(options.in, {}, progress_bar(session, "reading")));
   LineCounts skipped = loaded.report.lines_skipped;
   if (skipped.contains("EDGE2") && skipped.contains("VERTEX2")) {
@@ -58,7 +58,7 @@ void read_carmen_content(const Options& options, const Session& session, Content
   lose_lines(content, skipped);
 }
 
-Content read(const Options& options, const Session& session) {
+Content read(const ConvertOptions& options, const Session& session) {
   Content content{.format = value_or_quit(format_of(options.in))};
   switch (content.format) {
     case FileFormat::carmen:
@@ -78,7 +78,7 @@ Content read(const Options& options, const Session& session) {
   return content;
 }
 
-FileFormat target(const Options& options) {
+FileFormat target(const ConvertOptions& options) {
   for (const auto& [format, name] : enum_names(FileFormat{})) {
     if (options.to == name) { return format; }
   }
@@ -117,7 +117,7 @@ bool is_numbered_from_0(const GraphFile& file) {
   return file.id.front() == 0 && file.id.back() + 1 == static_cast<std::int64_t>(file.id.size());
 }
 
-void write_graph(const Options& options, FileFormat to, Content& content) {
+void write_graph(const ConvertOptions& options, FileFormat to, Content& content) {
   if (!content.graph && content.trajectory.empty()) {
     throw BadInput(options.in + ": expected poses, found none: a graph needs them");
   }
@@ -134,7 +134,7 @@ void write_graph(const Options& options, FileFormat to, Content& content) {
   }
 }
 
-void write_trajectory(const Options& options, Content& content) {
+void write_trajectory(const ConvertOptions& options, Content& content) {
   if (content.graph && !content.log) {
     for (std::size_t i = 0; i < content.graph->id.size(); ++i) {
       content.trajectory.push_back({static_cast<double>(content.graph->id[i]), content.graph->graph.map_from_node[i]});
@@ -156,7 +156,7 @@ void write_trajectory(const Options& options, Content& content) {
   value_or_quit(write_tum(options.out, content.trajectory));
 }
 
-void write_log(const Options& options, Content& content) {
+void write_log(const ConvertOptions& options, Content& content) {
   if (!content.log) {
     throw BadInput(
         fmt::format("{}: expected a log, found a {} file, which has no scans", options.in, to_string(content.format)));
@@ -168,7 +168,7 @@ void write_log(const Options& options, Content& content) {
   if (auto written = write_carmen(options.out, *content.log); !written) { throw BadInput(written.error().message); }
 }
 
-int run(const Options& options, const Session& session) {
+int run(const ConvertOptions& options, const Session& session) {
   const FileFormat to = target(options);
   Content content = read(options, session);
   switch (to) {
@@ -206,7 +206,7 @@ int run(const Options& options, const Session& session) {
 }  // namespace
 
 void add_convert(CLI::App& program, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ConvertOptions>();
   CLI::App* command =
       add_command(program, session, "convert", "Between CARMEN logs, TUM trajectories and pose graphs (g2o, TORO).",
                   "flirt convert flirtlib-fr079.log.gz fr079.g2o");

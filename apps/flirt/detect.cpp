@@ -20,7 +20,7 @@
 namespace flirt::app {
 namespace {
 
-struct Options {
+struct DetectOptions {
   std::string log;
   std::optional<std::size_t> scan;  ///< else all
   std::string svg;
@@ -61,7 +61,7 @@ struct Worker {
   }
 };
 
-std::vector<ScanFeatures> extract_all(const Options& options, const Session& session, const ScanLog& log,
+std::vector<ScanFeatures> extract_all(const DetectOptions& options, const Session& session, const ScanLog& log,
                                       const FeatureParams& params) {
   const std::size_t first = options.scan.value_or(0);
   std::vector<ScanFeatures> results(options.scan ? 1 : log.scans.size());
@@ -180,7 +180,7 @@ void print_summary(const std::vector<ScanFeatures>& results, const FeatureParams
 
 // --- The command -----------------------------------------------------------------------------------------------------
 
-void write_figure(const Options& options, const ScanLog& log, const FeatureParams& params) {
+void write_figure(const DetectOptions& options, const ScanLog& log, const FeatureParams& params) {
   const std::size_t index = options.scan.value_or(0);
   const Scan& scan = log.scans[index];
   FeatureTrace trace;
@@ -195,7 +195,7 @@ void write_figure(const Options& options, const ScanLog& log, const FeatureParam
   value_or_quit(write_file_atomically(options.svg, svg::to_svg(figure)));
 }
 
-int run(const Session& session, const Options& options) {
+int run(const Session& session, const DetectOptions& options) {
   options.params.resolve(session.config);
   const FeatureParams params = options.features.features();
   const ScanLog log = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading"))).log;
@@ -217,7 +217,7 @@ int run(const Session& session, const Options& options) {
 }  // namespace
 
 void add_detect(CLI::App& program, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DetectOptions>();
   CLI::App* command = add_command(program, session, "detect", "Keypoints and descriptors of the scans of a log.",
                                   "flirt detect run.log.gz --scan 120 --svg scan120.svg --json scan120.jsonl");
   command->add_option("LOG", options->log, "log file")->required();

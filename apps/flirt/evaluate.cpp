@@ -18,7 +18,7 @@
 namespace flirt::app {
 namespace {
 
-struct Options {
+struct EvaluateOptions {
   std::string estimate;
   std::string truth;
   std::string relations;
@@ -45,7 +45,7 @@ void print_relations(const RelationsError& error, std::string_view source) {
 }
 
 /// ATE, RPE and derived relations.
-nlohmann::ordered_json against_truth(const Options& options, const Session& session,
+nlohmann::ordered_json against_truth(const EvaluateOptions& options, const Session& session,
                                      const std::vector<StampedPose>& estimate) {
   const std::vector<StampedPose> truth = value_or_quit(read_trajectory(options.truth));
   const PairedTrajectory paired = pairs_by_stamp(estimate, truth, options.stamp_tolerance);
@@ -72,7 +72,7 @@ nlohmann::ordered_json against_truth(const Options& options, const Session& sess
           {"derived_relations", relations_json(derived, "derived")}};
 }
 
-nlohmann::ordered_json against_relations(const Options& options, const Session& session,
+nlohmann::ordered_json against_relations(const EvaluateOptions& options, const Session& session,
                                          const std::vector<StampedPose>& estimate) {
   const std::vector<Relation> relations = value_or_quit(read_relations(options.relations));
   const RelationsError error = relations_error(estimate, relations, options.stamp_tolerance);
@@ -81,7 +81,7 @@ nlohmann::ordered_json against_relations(const Options& options, const Session& 
 }
 
 /// The scans that the estimate has a pose for, with those poses.
-ScanLog posed_scans(const Options& options, const Session& session, const std::vector<StampedPose>& estimate) {
+ScanLog posed_scans(const EvaluateOptions& options, const Session& session, const std::vector<StampedPose>& estimate) {
   LoadedLog loaded = value_or_quit(read_log(options.scans, {}, progress_bar(session, "reading")));
   std::vector<StampedPose> scans;
   scans.reserve(loaded.log.scans.size());
@@ -96,7 +96,7 @@ ScanLog posed_scans(const Options& options, const Session& session, const std::v
   return posed;
 }
 
-nlohmann::ordered_json without_truth(const Options& options, const Session& session,
+nlohmann::ordered_json without_truth(const EvaluateOptions& options, const Session& session,
                                      const std::vector<StampedPose>& estimate) {
   const ScanLog log = posed_scans(options, session, estimate);
   const MapQuality quality = map_quality(log, log.map_from_robot, options.quality, session.threads);
@@ -112,7 +112,7 @@ nlohmann::ordered_json without_truth(const Options& options, const Session& sess
   return json;
 }
 
-int run(Options& options, const Session& session) {
+int run(EvaluateOptions& options, const Session& session) {
   if (options.truth.empty() && options.relations.empty() && options.scans.empty()) {
     throw UsageError("evaluate: expected --truth, --relations or --scans to evaluate against, found none");
   }
@@ -135,7 +135,7 @@ int run(Options& options, const Session& session) {
 }  // namespace
 
 void add_evaluate(CLI::App& program, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EvaluateOptions>();
   CLI::App* command = add_command(program, session, "evaluate",
                                   "How good a trajectory is: against true poses, relations, or its own scans.",
                                   "flirt evaluate trajectory.tum --truth corrected.log.gz --scans run.log.gz");

@@ -14,7 +14,7 @@
 namespace flirt::app {
 namespace {
 
-struct Options {
+struct InfoOptions {
   std::string log;
   bool is_lenient{false};
   std::string message;
@@ -65,7 +65,7 @@ std::string path_text(const PathSummary& path) {
                      path.low.x, path.high.x, path.low.y, path.high.y);
 }
 
-void print_text(const Options& options, const LoadedLog& loaded, const LogSummary& summary) {
+void print_text(const InfoOptions& options, const LoadedLog& loaded, const LogSummary& summary) {
   const LogReport& report = loaded.report;
   const Scan& scan = loaded.log.scans.front();
   const Pose2& laser = scan.robot_from_sensor;
@@ -133,7 +133,7 @@ nlohmann::ordered_json stamps_json(const StampSummary& stamps, const LogReport& 
           {"digits", report.stamp_digits}};
 }
 
-nlohmann::ordered_json as_json(const Options& options, const LoadedLog& loaded, const LogSummary& summary) {
+nlohmann::ordered_json as_json(const InfoOptions& options, const LoadedLog& loaded, const LogSummary& summary) {
   const LogReport& report = loaded.report;
   const Scan& scan = loaded.log.scans.front();
   const Pose2& laser = scan.robot_from_sensor;
@@ -162,7 +162,7 @@ nlohmann::ordered_json as_json(const Options& options, const LoadedLog& loaded, 
           {"provenance", provenance()}};
 }
 
-int run(const Session& session, const Options& options) {
+int run(const Session& session, const InfoOptions& options) {
   const LoadedLog loaded = value_or_quit(read_log(options.log, options.reading(), progress_bar(session, "reading")));
   const LogSummary summary = summarize(loaded.log);
   if (session.talks()) { print_text(options, loaded, summary); }
@@ -173,7 +173,7 @@ int run(const Session& session, const Options& options) {
 }  // namespace
 
 void add_info(CLI::App& program, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<InfoOptions>();
   CLI::App* command =
       add_command(program, session, "info", "What a log holds: scans, angles, ranges, stamps, poses, oddities.",
                   "flirt info run.log.gz --json info.json");

@@ -26,7 +26,7 @@
 namespace flirt::app {
 namespace {
 
-struct Options {
+struct LocalizeOptions {
   std::string map;
   std::string log;
   std::optional<std::size_t> scan;
@@ -52,7 +52,7 @@ struct Answer {
   nlohmann::ordered_json json;
 };
 
-std::vector<std::size_t> queries(const Options& options, std::size_t scans) {
+std::vector<std::size_t> queries(const LocalizeOptions& options, std::size_t scans) {
   if (options.scan) {
     if (*options.scan < scans) { return {*options.scan}; }
     throw UsageError(fmt::format("--scan: expected one of the {} scans of the log, found {}", scans, *options.scan));
@@ -66,7 +66,7 @@ std::optional<Pose2> pose_in_log(const ScanLog& log, std::size_t scan) {
   return log.map_from_robot.empty() ? std::nullopt : std::optional(log.map_from_sensor(scan));
 }
 
-void check_options(const Options& options, const PlaceMap& map) {
+void check_options(const LocalizeOptions& options, const PlaceMap& map) {
   if (options.track && options.localize.method == LocalizeMethod::papers) {
     throw UsageError("--track: expected --method auto, dense or features with it, found papers");
   }
@@ -83,8 +83,8 @@ void check_options(const Options& options, const PlaceMap& map) {
 }
 
 /// The scan alone, or with --join together with those before it.
-LocalizationResult localize_scan(Localizer& localizer, const Options& options, const ScanLog& log, std::size_t scan,
-                                 LocalizeTimes* times = nullptr) {
+LocalizationResult localize_scan(Localizer& localizer, const LocalizeOptions& options, const ScanLog& log,
+                                 std::size_t scan, LocalizeTimes* times = nullptr) {
   if (options.join == 1) { return localizer.localize(log.scans[scan], {}, times); }
   const std::size_t count = std::min(options.join, scan + 1);
   const ScanPoints joined =
@@ -93,7 +93,8 @@ LocalizationResult localize_scan(Localizer& localizer, const Options& options, c
 }
 
 /// One query uses all threads, several share them.
-std::vector<Answer> answers(const Options& options, const PlaceMap& map, const ScanLog& log, const Session& session) {
+std::vector<Answer> answers(const LocalizeOptions& options, const PlaceMap& map, const ScanLog& log,
+                            const Session& session) {
   const std::vector<std::size_t> scans = queries(options, log.scans.size());
   const bool single = scans.size() == 1;
   std::vector<std::unique_ptr<Localizer>> localizers(single ? 1 : thread_count(session.threads));
@@ -123,7 +124,7 @@ std::vector<Answer> answers(const Options& options, const PlaceMap& map, const S
 }
 
 /// The picture of one scan's answer.
-CaptionedFigure example(const Options& options, const PlaceMap& map, const std::vector<Point2>& points,
+CaptionedFigure example(const LocalizeOptions& options, const PlaceMap& map, const std::vector<Point2>& points,
                         const ScanLog& log, std::size_t scan) {
   Localizer localizer(map, options.localize);
   const LocalizationResult result = localize_scan(localizer, options, log, scan);
@@ -148,8 +149,8 @@ std::vector<std::size_t> scans_to_show(const std::vector<Answer>& found) {
   return scans;
 }
 
-void write_pictures(const Options& options, const PlaceMap& map, const ScanLog& log, const std::vector<Answer>& found,
-                    std::span<const LocalizedScan> outcomes) {
+void write_pictures(const LocalizeOptions& options, const PlaceMap& map, const ScanLog& log,
+                    const std::vector<Answer>& found, std::span<const LocalizedScan> outcomes) {
   if (options.svg.empty() && options.out.empty()) { return; }
   const std::vector<Point2> points = map_points(map);
   if (!options.svg.empty()) {
@@ -165,7 +166,7 @@ void write_pictures(const Options& options, const PlaceMap& map, const ScanLog& 
 }
 
 /// --track: all scans in order.
-int run_track(Options& options, const Session& session, const PlaceMap& map, const DrivenLog& driven) {
+int run_track(LocalizeOptions& options, const Session& session, const PlaceMap& map, const DrivenLog& driven) {
   options.tracker.localize = options.localize;
   options.tracker.seed = session.seed;
   const std::vector<TrackedScan> tracked = track(map, driven, options.tracker, session);
@@ -185,7 +186,7 @@ int run_track(Options& options, const Session& session, const PlaceMap& map, con
   return summarise(tracked).unique == 0 ? exit_not_found : exit_done;
 }
 
-int run(Options& options, const Session& session) {
+int run(LocalizeOptions& options, const Session& session) {
   options.params.resolve(session.config);
   options.localize = options.flags.localize(session.seed);
   const PlaceMap map = value_or_quit(read_place_map(options.map));
@@ -224,7 +225,7 @@ int run(Options& options, const Session& session) {
 }  // namespace
 
 void add_localize(CLI::App& program, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LocalizeOptions>();
   CLI::App* command = add_command(program, session, "localize", "Find the poses of single scans in a map.",
                                   "flirt localize fr079.flirt run.log.gz --scan 12 --svg where.svg");
   command->add_option("MAP", options->map, "map file made by flirt map")->required();

@@ -20,7 +20,7 @@
 namespace flirt::app {
 namespace {
 
-struct Options {
+struct MapOptions {
   std::string log;  ///< or a grid map's YAML file
   std::string out;
   std::size_t every{1};
@@ -43,7 +43,7 @@ ScanLog thinned(ScanLog log, std::size_t every) {
   return kept;
 }
 
-bool is_grid_map(const Options& options) {
+bool is_grid_map(const MapOptions& options) {
   const std::string extension = std::filesystem::path(options.log).extension().string();
   if (extension == ".pgm" || extension == ".png") {
     throw UsageError(options.log + ": expected the YAML file of a grid map, found an image");
@@ -59,7 +59,7 @@ double keypoints_per_scan(const PlaceMap& map) {
   return map.size() == 0 ? 0.0 : static_cast<double>(map.feature_count()) / static_cast<double>(map.size());
 }
 
-nlohmann::ordered_json map_json(const Options& options, const PlaceMap& map, std::string_view poses) {
+nlohmann::ordered_json map_json(const MapOptions& options, const PlaceMap& map, std::string_view poses) {
   nlohmann::ordered_json json{{"log", options.log},
                               {"map", options.out},
                               {"poses", poses},
@@ -74,7 +74,7 @@ nlohmann::ordered_json map_json(const Options& options, const PlaceMap& map, std
 }
 
 /// Writes the map and says what is in it.
-void finish(const Options& options, const Session& session, const PlaceMap& map, std::string_view poses) {
+void finish(const MapOptions& options, const Session& session, const PlaceMap& map, std::string_view poses) {
   value_or_quit(write_place_map(options.out, map));
   write_json(session, map_json(options, map, poses));
   if (!session.talks()) { return; }
@@ -82,7 +82,7 @@ void finish(const Options& options, const Session& session, const PlaceMap& map,
              static_cast<double>(map.bytes()) / 1e6);
 }
 
-void map_grid(const Options& options, const Session& session) {
+void map_grid(const MapOptions& options, const Session& session) {
   const GridMapImage grid = value_or_quit(read_grid_map(options.log));
   const Result<PlaceMap> map =
       place_map_from_grid(grid.image, grid.metadata, options.grid, options.features.features(), session.threads,
@@ -91,7 +91,7 @@ void map_grid(const Options& options, const Session& session) {
   finish(options, session, *map, "virtual");
 }
 
-void map_log(const Options& options, const Session& session) {
+void map_log(const MapOptions& options, const Session& session) {
   LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
   if (loaded.log.map_from_robot.empty()) {
     throw BadInput(options.log + ": expected a log with poses, found none (flirt slam finds them)");
@@ -106,7 +106,7 @@ void map_log(const Options& options, const Session& session) {
   }
 }
 
-int run(Options& options, const Session& session) {
+int run(MapOptions& options, const Session& session) {
   const bool is_grid = is_grid_map(options);
   options.params.resolve(session.config);
   if (is_grid) {
@@ -120,7 +120,7 @@ int run(Options& options, const Session& session) {
 }  // namespace
 
 void add_map(CLI::App& program, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MapOptions>();
   CLI::App* command =
       add_command(program, session, "map", "Make a place map from a log with poses, or from a ROS grid map.",
                   "flirt map fr079.log.gz -o fr079.flirt (or: flirt map office.yaml -o office.flirt)");

@@ -22,7 +22,7 @@
 namespace flirt::app {
 namespace {
 
-struct Options {
+struct MatchOptions {
   std::string log;
   std::string other;  ///< log of the reference; empty: the same
   std::size_t scan{0};
@@ -68,7 +68,7 @@ ScanLog read_scans(const std::string& path, const Session& session) {
   return log;
 }
 
-Outcome find_alignment(const Options& options, const Session& session) {
+Outcome find_alignment(const MatchOptions& options, const Session& session) {
   const ScanLog log = read_scans(options.log, session);
   const FeatureParams features = options.features.features();
   Outcome outcome;
@@ -123,7 +123,7 @@ nlohmann::ordered_json verification_json(const Verification& found) {
           {"mean_line_residual", found.mean_line_residual}};
 }
 
-nlohmann::ordered_json outcome_json(const Options& options, const Outcome& outcome) {
+nlohmann::ordered_json outcome_json(const MatchOptions& options, const Outcome& outcome) {
   nlohmann::ordered_json json{{"log", options.log},
                               {"scan", options.scan},
                               {"other", options.other.empty() ? options.log : options.other},
@@ -147,7 +147,7 @@ nlohmann::ordered_json outcome_json(const Options& options, const Outcome& outco
   return json;
 }
 
-void print(const Options& options, const Outcome& outcome) {
+void print(const MatchOptions& options, const Outcome& outcome) {
   fmt::print("scan {} ({} keypoints) against {} ({} keypoints): {} candidates\n", options.scan,
              outcome.query.features.keypoints.size(), options.against, outcome.reference.features.keypoints.size(),
              outcome.candidates.size());
@@ -268,7 +268,7 @@ svg::Plan correspondences_plan(const Outcome& outcome) {
   return plan;
 }
 
-svg::Figure figure_of(const Options& options, const Outcome& outcome) {
+svg::Figure figure_of(const MatchOptions& options, const Outcome& outcome) {
   svg::Figure figure{.title = fmt::format("Scan {} matched with scan {}", options.scan, options.against),
                      .panels = {correspondences_plan(outcome)},
                      .panel_width = 640};
@@ -285,7 +285,7 @@ svg::Figure figure_of(const Options& options, const Outcome& outcome) {
 }  // namespace
 
 void add_match(CLI::App& program, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MatchOptions>();
   CLI::App* command = add_command(program, session, "match", "The rigid motion between two scans.",
                                   "flirt match run.log.gz --scan 120 --against 700 --svg match.svg");
   command->add_option("LOG", options->log, "log file")->required();

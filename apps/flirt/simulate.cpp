@@ -41,7 +41,7 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.poses, Field{"poses", "", "that the log states: what a robot's log would, or the truth"});
 }
 
-struct Options {
+struct SimulateOptions {
   std::string out;
   std::string truth;
   std::string plan{"office"};
@@ -58,7 +58,7 @@ struct Options {
   ParamFlags params;
 };
 
-World world_of(const Options& options) {
+World world_of(const SimulateOptions& options) {
   const bool made_up = options.plan == "office" || options.plan == "tunnel" || options.plan == "station";
   if (made_up && options.resolution) { throw UsageError("--resolution: expected only with an image as --plan"); }
   if (options.plan == "office") { return make_office(options.office); }
@@ -115,7 +115,7 @@ void add_plan(const FloorPlan& plan, svg::Plan& figure) {
 }
 
 /// Plan and way of each round; with --svg-scan one scan within its surroundings.
-svg::Figure picture(const Options& options, const Simulation& simulation) {
+svg::Figure picture(const SimulateOptions& options, const Simulation& simulation) {
   svg::Plan figure;
   add_plan(simulation.plan, figure);
   const ScanLog& log = simulation.log;
@@ -144,7 +144,7 @@ svg::Figure picture(const Options& options, const Simulation& simulation) {
   return {.panels = {figure}, .panel_width = 1200};
 }
 
-int run(const Session& session, Options& options) {
+int run(const Session& session, SimulateOptions& options) {
   options.params.resolve(session.config);
   options.simulate.seed = session.seed;
   options.simulate.threads = session.threads;
@@ -190,7 +190,7 @@ int run(const Session& session, Options& options) {
 }  // namespace
 
 void add_simulate(CLI::App& program, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimulateOptions>();
   CLI::App* command = add_command(program, session, "simulate", "A log with exact truth from a floor plan.",
                                   "flirt simulate -o office.log --office-area 5000 --people 20 --svg office.svg");
   command->add_option("-o,--output", options->out, "CARMEN log to write")->required();

@@ -20,7 +20,7 @@
 namespace flirt::app {
 namespace {
 
-struct Options {
+struct SlamOptions {
   std::string log;
   std::string out;
   bool no_odometry{false};
@@ -33,7 +33,7 @@ struct Options {
 };
 
 /// The short flags say the same as --slam-odometry, --slam-window and --slam-front-end, and win over a file.
-void apply_short_flags(Options& options) {
+void apply_short_flags(SlamOptions& options) {
   if (options.no_odometry) { options.slam.odometry = OdometryUse::ignore; }
   if (!options.window.empty()) { options.slam.window = static_cast<std::uint32_t>(std::stoul(options.window)); }
   for (const auto& [kind, name] : enum_names(FrontEndKind{})) {
@@ -59,7 +59,7 @@ ScanLog every_kth(ScanLog log, std::size_t k) {
 }
 
 /// What the run made of the log's odometry.
-std::string odometry_use(const Options& options, const ScanLog& log) {
+std::string odometry_use(const SlamOptions& options, const ScanLog& log) {
   std::size_t with = 0;
   for (const Scan& scan : log.scans) { with += scan.odom_from_robot ? 1 : 0; }
   if (with == 0) { return "none in the log"; }
@@ -98,7 +98,7 @@ EarlierMap read_earlier(const std::string& folder) {
   return earlier;
 }
 
-SlamRun map_log(const Options& options, const ScanLog& log, const EarlierMap& earlier, const Session& session) {
+SlamRun map_log(const SlamOptions& options, const ScanLog& log, const EarlierMap& earlier, const Session& session) {
   using Clock = std::chrono::steady_clock;
   SlamRun run{.log = options.log,
               .odometry = odometry_use(options, log),
@@ -128,7 +128,7 @@ SlamRun map_log(const Options& options, const ScanLog& log, const EarlierMap& ea
   return run;
 }
 
-void print(const Options& options, const SlamRun& run, const LogReport& report) {
+void print(const SlamOptions& options, const SlamRun& run, const LogReport& report) {
   const SlamSummary& s = run.summary;
   fmt::print("{}: {} scans, odometry {}, {} closures\n", options.log, s.scans, run.odometry, s.closures);
   if (report.odometry_repeats_pose) {
@@ -150,7 +150,7 @@ void print(const Options& options, const SlamRun& run, const LogReport& report) 
 }
 
 /// Nothing is written but the JSON that was asked for.
-int report_not_found(const Options& options, const SlamRun& run, const Session& session) {
+int report_not_found(const SlamOptions& options, const SlamRun& run, const Session& session) {
   write_json(session, slam_json(run));
   if (!session.quiet) {
     fmt::print(stderr,
@@ -171,7 +171,7 @@ ScanLog with_earlier(EarlierMap earlier, ScanLog log) {
   return both;
 }
 
-int run(Options& options, const Session& session) {
+int run(SlamOptions& options, const Session& session) {
   options.params.resolve(session.config);
   apply_short_flags(options);
   if (!options.resume.empty() && options.slam.window > 0) {
@@ -198,7 +198,7 @@ int run(Options& options, const Session& session) {
 }  // namespace
 
 void add_slam(CLI::App& program, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SlamOptions>();
   CLI::App* command =
       add_command(program, session, "slam", "Make a consistent map of any log, with odometry or without.",
                   "flirt slam run.log.gz -o run-map");

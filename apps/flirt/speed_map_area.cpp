@@ -117,7 +117,7 @@ void add_answers(nlohmann::ordered_json& row, const PlaceMap& map, std::span<con
   row["unique_right"] = unique_right.value();
 }
 
-svg::Figure figure_of(const nlohmann::ordered_json& rows) {
+svg::Figure growth_with_area(const nlohmann::ordered_json& rows) {
   svg::Chart time{.title = "Time of a query",
                   .x = {.label = "seen area (m²)", .scale = svg::AxisScale::logarithmic},
                   .y = {.label = "median (ms)", .scale = svg::AxisScale::logarithmic}};
@@ -155,7 +155,7 @@ SpeedSection speed_map_area(const SpeedOptions& options, const Session& session)
       section.rows.push_back(row);
     }
   }
-  section.figure = figure_of(section.rows);
+  section.figure = growth_with_area(section.rows);
   return section;
 }
 

@@ -95,14 +95,14 @@ BuiltMap map_of(const Tiling& tiling, std::size_t size, const Session& session) 
   return {std::move(map), features_us * 1e-6, evidence_s};
 }
 
-struct Question {
+struct SizeQuestion {
   Features features;
   Pose2 tile_from_sensor;
 };
 
-std::vector<Question> questions_of(const Tiling& tiling, std::size_t count) {
+std::vector<SizeQuestion> questions_of(const Tiling& tiling, std::size_t count) {
   FeatureExtractor extractor;
-  std::vector<Question> questions;
+  std::vector<SizeQuestion> questions;
   for (const std::size_t i : spread_evenly(tiling.log.scans.size() / 2, count)) {
     questions.push_back({extractor.extract(tiling.log.scans[2 * i + 1]), tiling.log.map_from_sensor(2 * i + 1)});
   }
@@ -124,9 +124,9 @@ struct Answers {
 };
 
 template <class Find>
-Answers ask(const std::vector<Question>& questions, const Find& find) {
+Answers ask(const std::vector<SizeQuestion>& questions, const Find& find) {
   Answers answers;
-  for (const Question& question : questions) {
+  for (const SizeQuestion& question : questions) {
     const double start = cpu_us();
     const SolutionSet found = find(question.features);
     answers.times_ms.push_back((cpu_us() - start) * 1e-3);
@@ -137,7 +137,7 @@ Answers ask(const std::vector<Question>& questions, const Find& find) {
 }
 
 /// `exact` for the recall: the share of its answers that `answers` has too.
-void add_answers(nlohmann::ordered_json& row, const std::vector<Question>& questions, const Answers& answers,
+void add_answers(nlohmann::ordered_json& row, const std::vector<SizeQuestion>& questions, const Answers& answers,
                  const Answers& exact, double side) {
   Rate right;
   Rate recall;
@@ -155,7 +155,7 @@ void add_answers(nlohmann::ordered_json& row, const std::vector<Question>& quest
 void add_size(const Tiling& tiling, std::size_t size, const SpeedOptions& options, const Session& session,
               nlohmann::ordered_json& rows) {
   const BuiltMap built = map_of(tiling, size, session);
-  const std::vector<Question> questions = questions_of(tiling, std::min<std::size_t>(options.queries, 50));
+  const std::vector<SizeQuestion> questions = questions_of(tiling, std::min<std::size_t>(options.queries, 50));
   SolutionSetFinder finder(built.map);
   nlohmann::ordered_json row{{"map_scans", size},
                              {"keypoints", built.map.feature_count()},
@@ -182,7 +182,7 @@ void add_size(const Tiling& tiling, std::size_t size, const SpeedOptions& option
   rows.push_back(std::move(words_row));
 }
 
-svg::Figure figure_of(const nlohmann::ordered_json& rows) {
+svg::Figure growth_with_scans(const nlohmann::ordered_json& rows) {
   constexpr std::array<std::string_view, 2> methods{"exact", "words"};
   svg::Chart time{.title = "Time of a query",
                   .x = {.label = "map scans", .scale = svg::AxisScale::logarithmic},
@@ -214,7 +214,7 @@ SpeedSection speed_map_size(const SpeedOptions& options, const Session& session)
   for (const std::size_t size : options.sizes) {
     add_size(tiling_of(source.log, size), size, options, session, section.rows);
   }
-  section.figure = figure_of(section.rows);
+  section.figure = growth_with_scans(section.rows);
   return section;
 }
 

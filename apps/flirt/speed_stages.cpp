@@ -148,7 +148,7 @@ void add_query(const ScanLog& log, const std::vector<Sample>& samples, StageTabl
 }
 
 /// Least times in the order of the rows, and the targets.
-svg::Figure figure_of(const nlohmann::ordered_json& rows) {
+svg::Figure stages_figure(const nlohmann::ordered_json& rows) {
   svg::Chart chart{.title = "Time of a stage, in the order of the table",
                    .x = {.label = "row"},
                    .y = {.label = "least of 9 (µs)", .scale = svg::AxisScale::logarithmic}};
@@ -184,7 +184,7 @@ SpeedSection speed_stages(const SpeedOptions& options, const Session& session) {
     add_pair_alone(samples, table);
     add_query(log.log, samples, table, session);
   }
-  section.figure = figure_of(section.rows);
+  section.figure = stages_figure(section.rows);
   return section;
 }
 

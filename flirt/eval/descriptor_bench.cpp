@@ -5,7 +5,6 @@
 namespace flirt {
 namespace {
 
-constexpr std::array region_rules{RegionRule::native, RegionRule::common};
 constexpr std::array pair_rules{PairRule::all, PairRule::nearest};
 
 /// A row of descriptor distances per keypoint of the reference.

@@ -12,7 +12,6 @@ namespace flirt {
 namespace {
 
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
-constexpr std::array region_rules{RegionRule::native, RegionRule::common};
 
 /// The detectors of all variants; one set per thread.
 class Detectors {

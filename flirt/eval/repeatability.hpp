@@ -78,6 +78,7 @@ constexpr auto enum_names(RegionRule /*tag*/) {
   return std::array{std::pair{RegionRule::native, std::string_view("native")},
                     std::pair{RegionRule::common, std::string_view("common")}};
 }
+inline constexpr std::array region_rules{RegionRule::native, RegionRule::common};
 
 /// Regions of keypoints, moved by `reference_from_sensor`.
 [[nodiscard]] std::vector<Region> regions_of(std::span<const Keypoint> keypoints, const Pose2& reference_from_sensor,

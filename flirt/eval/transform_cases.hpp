@@ -28,7 +28,9 @@ constexpr auto enum_names(ScanTransform /*tag*/) {
                     std::pair{ScanTransform::subsampling, std::string_view("subsampling")},
                     std::pair{ScanTransform::oversampling, std::string_view("oversampling")}};
 }
-inline constexpr std::size_t transform_count = 4;
+inline constexpr std::array all_transforms{ScanTransform::viewpoint, ScanTransform::noise, ScanTransform::subsampling,
+                                           ScanTransform::oversampling};
+inline constexpr std::size_t transform_count = all_transforms.size();
 
 /// One point of a curve: how, and how much.
 struct Condition {

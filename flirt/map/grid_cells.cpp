@@ -12,7 +12,7 @@ namespace {
 
 constexpr double smallest_pixel = 1e-3;  // m
 constexpr double largest_area = 1e6;     // m²
-constexpr double farthest = 1e6;         // m
+constexpr double farthest_origin = 1e6;  // m
 
 struct Extent {
   Point2 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
@@ -153,7 +153,9 @@ Result<GridCells> grid_cells(const GreyImage& image, const GridMapMetadata& meta
   const double reach = std::max({-extent.low.x, -extent.low.y, extent.high.x, extent.high.y});
   const double area = (extent.high.x - extent.low.x) * (extent.high.y - extent.low.y);
   if (!(area <= largest_area)) { return fail("expected a grid map of at most 1 km², found a larger one"); }
-  if (!(reach <= farthest)) { return fail("expected a grid map within 1000 km of its origin, found one farther away"); }
+  if (!(reach <= farthest_origin)) {
+    return fail("expected a grid map within 1000 km of its origin, found one farther away");
+  }
 
   // Sides on a boundary between cells must not reach into the next one by rounding.
   const auto low_cell = [&](double low) { return static_cast<std::int32_t>(std::floor(low / cell_size + 1e-6)); };

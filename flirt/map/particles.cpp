@@ -57,9 +57,9 @@ TrackCluster moments(std::span<const Particle> particles, std::span<const std::s
   return cluster;
 }
 
-using Bin = std::array<std::int64_t, 3>;
+using ParticleBin = std::array<std::int64_t, 3>;
 
-Bin bin_of(const Pose2& pose, double reach, double turn) {
+ParticleBin bin_of(const Pose2& pose, double reach, double turn) {
   return {std::llround(pose.x / reach), std::llround(pose.y / reach), std::llround(pose.theta / turn)};
 }
 
@@ -69,7 +69,7 @@ std::size_t densest(std::span<const Particle> particles, std::span<const std::si
     double weight{0};
     std::size_t heaviest{0};
   };
-  std::map<Bin, Heap> heaps;
+  std::map<ParticleBin, Heap> heaps;
   for (const std::size_t i : left) {
     Heap& heap = heaps[bin_of(particles[i].map_from_robot, reach, turn)];
     if (heap.weight == 0 || particles[i].weight > particles[heap.heaviest].weight) { heap.heaviest = i; }
@@ -109,7 +109,7 @@ double effective_count(std::span<const Particle> particles) {
 }
 
 std::size_t kld_count(std::span<const Particle> particles, double reach, double turn, double error, double quantile) {
-  std::set<Bin> bins;
+  std::set<ParticleBin> bins;
   for (const Particle& particle : particles) { bins.insert(bin_of(particle.map_from_robot, reach, turn)); }
   if (bins.size() < 2) { return bins.size(); }
   const auto free = static_cast<double>(bins.size() - 1);

@@ -1,12 +1,12 @@
 #include "flirt/map/track_belief.hpp"
 
+#include "flirt/map/verdict.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 namespace flirt {
 namespace {
-
-constexpr double usual_points = 80;
 
 /// How much of an independent look a scan is after this motion: nothing new is seen from the same place. That holds for
 /// what speaks for the place; a place that fits no longer though the wheels stood still is one the robot was carried
@@ -20,9 +20,8 @@ double novelty(const Pose2& before_from_after, const BeliefParams& params) {
 }  // namespace
 
 double log_odds_of_look(const EvidenceScore& score, std::size_t points, const BeliefParams& params) {
-  const double strength = score.total * std::sqrt(static_cast<double>(points) / usual_points);
-  const double log_odds =
-      params.offset + params.strength * strength + params.unknown * score.unknown + params.through * score.through;
+  const double log_odds = params.offset + params.strength * evidence_strength(score, points) +
+                          params.unknown * score.unknown + params.through * score.through;
   return std::clamp(log_odds, -params.largest_look, params.largest_look);
 }
 

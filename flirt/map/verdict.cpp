@@ -4,19 +4,19 @@
 #include <cmath>
 
 namespace flirt {
-namespace {
 
-constexpr double usual_points = 80;
-
-}  // namespace
+double evidence_strength(const EvidenceScore& score, std::size_t points) {
+  constexpr double usual_points = 80;
+  return score.total * std::sqrt(static_cast<double>(points) / usual_points);
+}
 
 double confidence_of(std::span<const ScoredPose> distinct_poses, std::size_t points, const VerdictParams& params) {
   const EvidenceScore& first = distinct_poses[0].score;
   double margin = params.largest_margin;
   if (distinct_poses.size() > 1) { margin = std::min(margin, first.total - distinct_poses[1].score.total); }
-  const double strength = first.total * std::sqrt(static_cast<double>(points) / usual_points);
   const double log_odds = params.offset + params.margin * std::sqrt(std::max(0.0, margin)) +
-                          params.strength * strength + params.unknown * first.unknown + params.through * first.through;
+                          params.strength * evidence_strength(first, points) + params.unknown * first.unknown +
+                          params.through * first.through;
   return 1 / (1 + std::exp(-log_odds));
 }
 

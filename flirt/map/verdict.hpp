@@ -60,6 +60,9 @@ constexpr auto enum_names(Reason /*tag*/) {
        {few_inliers, "few_inliers"}}};
 }
 
+/// How much of the scan is explained, and by how much evidence: score · √(points / 80).
+double evidence_strength(const EvidenceScore& score, std::size_t points);
+
 /// Confidence = 1 / (1 + exp(−(offset + margin·√m + strength·s + unknown·u + through·t))), with m the score's margin to
 /// the second place, at most `largest_margin`; s = score · √(points / 80); u and t the score's terms of those names.
 /// Fitted by maximum likelihood on the logs aces and fr101 and on simulated buildings: 3358 scans whose neighbourhood

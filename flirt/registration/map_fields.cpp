@@ -10,7 +10,7 @@
 namespace flirt {
 namespace {
 
-constexpr std::int32_t side = MapTile::side;
+constexpr std::int32_t tile_side = MapTile::side;
 
 /// The marks of all tiles of the grid over its box, in rows; null where nothing was seen.
 struct MarkTable {
@@ -24,9 +24,9 @@ struct MarkTable {
 
 MarkTable mark_table(const EvidenceGrid& grid, const CellBox& box) {
   MarkTable table;
-  table.first = {box.min.x / side, box.min.y / side};  // a box of whole tiles
-  table.tiles.width = static_cast<std::int32_t>(box.width()) / side;
-  table.tiles.height = static_cast<std::int32_t>(box.height()) / side;
+  table.first = {box.min.x / tile_side, box.min.y / tile_side};  // a box of whole tiles
+  table.tiles.width = static_cast<std::int32_t>(box.width()) / tile_side;
+  table.tiles.height = static_cast<std::int32_t>(box.height()) / tile_side;
   table.tiles.cells.resize(static_cast<std::size_t>(table.tiles.width) * static_cast<std::size_t>(table.tiles.height));
   grid.for_each_tile([&](CellIndex tile, std::span<const EvidenceCell> cells) {
     table.tiles.at(tile.x - table.first.x, tile.y - table.first.y) = std::make_unique<const TileMarks>(cells);
@@ -96,8 +96,10 @@ class CoarseValues {
 void coarsen_tile(MapFields& fields, const CoarseValues& values, std::int32_t x, std::int32_t y) {
   const auto factor = static_cast<std::int32_t>(fields.params.coarse_factor);
   CoarseField& coarse = fields.coarse;
-  for (std::int32_t v = y * side / factor; v < std::min(((y + 1) * side + factor - 1) / factor, coarse.height); ++v) {
-    for (std::int32_t u = x * side / factor; u < std::min(((x + 1) * side + factor - 1) / factor, coarse.width); ++u) {
+  for (std::int32_t v = y * tile_side / factor;
+       v < std::min(((y + 1) * tile_side + factor - 1) / factor, coarse.height); ++v) {
+    for (std::int32_t u = x * tile_side / factor;
+         u < std::min(((x + 1) * tile_side + factor - 1) / factor, coarse.width); ++u) {
       const CoarseCell cell = coarse_cell(fields, u, v, factor);
       set_cell(coarse, {u, v}, values.of(cell, factor), cell.free > 0);
     }
@@ -106,8 +108,9 @@ void coarsen_tile(MapFields& fields, const CoarseValues& values, std::int32_t x,
 
 CoarseField blank_coarse_field(const MapFields& fields) {
   const auto factor = static_cast<std::int32_t>(fields.params.coarse_factor);
-  return unknown_field((fields.columns * side + factor - 1) / factor, (fields.rows * side + factor - 1) / factor,
-                       factor * fields.cell_size, static_cast<std::uint8_t>(fields.params.free_penalty),
+  return unknown_field((fields.columns * tile_side + factor - 1) / factor,
+                       (fields.rows * tile_side + factor - 1) / factor, factor * fields.cell_size,
+                       static_cast<std::uint8_t>(fields.params.free_penalty),
                        static_cast<std::uint8_t>(fields.params.free_penalty + fields.params.coarse_peak));
 }
 
@@ -124,9 +127,9 @@ void coarsen(MapFields& fields, std::span<const CellIndex> tiles) {
   }
   const auto factor = static_cast<std::int32_t>(fields.params.coarse_factor);
   const auto end = [&](std::int32_t tile, std::int32_t size) {
-    return std::min(((tile + 1) * side + factor - 1) / factor, size);
+    return std::min(((tile + 1) * tile_side + factor - 1) / factor, size);
   };
-  finish(fields.coarse, {min.x * side / factor, min.y * side / factor},
+  finish(fields.coarse, {min.x * tile_side / factor, min.y * tile_side / factor},
          {end(max.x, fields.coarse.width), end(max.y, fields.coarse.height)});
 }
 
@@ -155,9 +158,9 @@ MapFields empty_fields(const EvidenceGrid& grid, const MapFieldParams& params) {
   const auto box = grid.bounds();
   if (!box) { return fields; }
   fields.origin = {box->min.x * fields.cell_size, box->min.y * fields.cell_size};
-  fields.first_tile = {box->min.x / side, box->min.y / side};
-  fields.columns = static_cast<std::int32_t>(box->width()) / side;
-  fields.rows = static_cast<std::int32_t>(box->height()) / side;
+  fields.first_tile = {box->min.x / tile_side, box->min.y / tile_side};
+  fields.columns = static_cast<std::int32_t>(box->width()) / tile_side;
+  fields.rows = static_cast<std::int32_t>(box->height()) / tile_side;
   fields.tiles.resize(static_cast<std::size_t>(fields.columns) * static_cast<std::size_t>(fields.rows));
   return fields;
 }

@@ -7,7 +7,7 @@
 namespace flirt {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double everywhere = std::numeric_limits<double>::infinity();
 
 void extend(Rectangle& box, Point2 point) {
   box.low = {std::min(box.low.x, point.x), std::min(box.low.y, point.y)};
@@ -24,7 +24,7 @@ double distance_to_segment(const PlanSegment& segment, Point2 point) {
 
 double distance_to_pixels(const PixelPlan& image, Point2 point) {
   const Point2 in_image = inverse(image.map_from_image) * point;
-  double nearest_squared = infinity;
+  double nearest_squared = everywhere;
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     if (image.pixels[i] != CellState::occupied) { continue; }
     const std::size_t column = i % image.columns;
@@ -61,7 +61,7 @@ std::vector<Point2> image_corners(const PixelPlan& image) {
 }
 
 Rectangle bounds(const FloorPlan& plan) {
-  Rectangle box{{infinity, infinity}, {-infinity, -infinity}};
+  Rectangle box{{everywhere, everywhere}, {-everywhere, -everywhere}};
   for (const PlanSegment& segment : plan.segments) {
     extend(box, segment.begin);
     extend(box, segment.end);

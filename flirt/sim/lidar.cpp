@@ -8,7 +8,7 @@
 namespace flirt {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double nothing_hit = std::numeric_limits<double>::infinity();
 constexpr double past_glass = 1e-6;  // m, behind a pane at which a beam that passed it goes on
 constexpr double depth_jump = 0.2;   // m, between neighbouring beams, above which a reading may fall in between
 
@@ -52,7 +52,7 @@ double Lidar::true_range(const RayCaster& caster, Point2 origin, Point2 directio
     if (returns) { return hit->range; }
     from = hit->range + past_glass;
   }
-  return infinity;
+  return nothing_hit;
 }
 
 /// Shortens `limits` (m, one per beam) where the disc stands in the way; 0 when the scanner is within it.
@@ -101,7 +101,7 @@ double Lidar::reading(double range, double noise, Rng& rng) const {
 
 std::vector<double> Lidar::measure(const RayCaster& caster, std::span<const PlanDisc> moving,
                                    const Pose2& map_from_sensor, Rng& rng) const {
-  std::vector<double> ranges(params_.beams, infinity);
+  std::vector<double> ranges(params_.beams, nothing_hit);
   for (const PlanDisc& disc : moving) { cover_by(disc, map_from_sensor, ranges); }
   const double c = std::cos(map_from_sensor.theta);
   const double s = std::sin(map_from_sensor.theta);
