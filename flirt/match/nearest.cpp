@@ -1,113 +1,29 @@
 // flirt/match/nearest.cpp: dot products of 16 queries at a time with 4 references, then exact distances of the rest.
+#define HWY_WANT_AVX3_DL  // instructions for sums of products of small integers, left out by default
 #include "flirt/match/nearest.hpp"
 
 #include "flirt/core/assert.hpp"
-#include "flirt/match/sketch.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
+#include <limits>
 #include <numeric>
 
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "flirt/match/nearest.cpp"
 #include <hwy/foreach_target.h>
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
-#include "flirt/match/lanes-inl.hpp"
+#include "flirt/match/products-inl.hpp"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace flirt::HWY_NAMESPACE {
 namespace {
 
-using Integers = hn::RebindToSigned<Floats>;
-constexpr std::size_t rows_at_once = 4;
-
-/// Dot products of the roots: χ² ≥ 1 − product − slack.
-struct RootProducts {
-  using Element = float;
-  using Product = float;
-
-  /// Rows nearer than `distance` have a larger product than this; covers the rounding of a dot product of normalised
-  /// rows, and of their normalisation, with room to spare.
-  static Product least_product(float distance) { return 1.0F - distance - 1e-5F; }
-  static const Element* rows(const DescriptorRows& table) { return table.roots; }
-  static std::size_t stride(const DescriptorRows& table) { return table.stride; }
-
-  template <std::size_t Rows>
-  static HWY_INLINE void multiply(const Element* columns, const Element* rows, std::size_t stride,
-                                  FloatVector (&sum)[Rows][parts]) {
-    const Floats d;
-    for (auto& row : sum) {
-      for (auto& part : row) { part = hn::Zero(d); }
-    }
-    for (std::size_t k = 0; k < stride; ++k) {
-      FloatVector column[parts];
-      for (std::size_t part = 0; part < parts; ++part) { column[part] = hn::LoadU(d, columns + k * 16 + part * lanes); }
-      for (std::size_t r = 0; r < Rows; ++r) {
-        const auto root = hn::Set(d, rows[r * stride + k]);
-        for (std::size_t part = 0; part < parts; ++part) {
-          sum[r][part] = hn::MulAdd(column[part], root, sum[r][part]);
-        }
-      }
-    }
-  }
-};
-
-/// Dot products of the sketches, in integers.
-struct SketchProducts {
-  using Element = std::int16_t;
-  using Product = std::int32_t;
-  static Product least_product(float distance) {
-    return static_cast<Product>((1.0F - distance - sketch_slack) * (sketch_scale * sketch_scale));
-  }
-  static const Element* rows(const DescriptorRows& table) { return table.sketches; }
-  static std::size_t stride(const DescriptorRows& /*table*/) { return sketch_size; }
-
-  template <std::size_t Rows>
-  static HWY_INLINE void multiply(const Element* columns, const Element* rows, std::size_t stride,
-                                  hn::Vec<Integers> (&sum)[Rows][parts]) {
-    const Integers d;
-#if HWY_TARGET == HWY_SCALAR
-    for (std::size_t r = 0; r < Rows; ++r) {
-      for (std::size_t part = 0; part < parts; ++part) {
-        Product product = 0;
-        for (std::size_t k = 0; k < stride; ++k) {
-          product += Product{columns[k / 2 * 32 + part * 2 + k % 2]} * rows[r * stride + k];
-        }
-        sum[r][part] = hn::Set(d, product);
-      }
-    }
-#else
-    const hn::Repartition<std::int16_t, Integers> pairs;
-    hn::Vec<Integers> upper[Rows][parts];  // some instruction sets sum into two halves
-    for (std::size_t r = 0; r < Rows; ++r) {
-      for (std::size_t part = 0; part < parts; ++part) { sum[r][part] = upper[r][part] = hn::Zero(d); }
-    }
-    for (std::size_t k = 0; k < stride; k += 2) {
-      hn::Vec<decltype(pairs)> column[parts];
-      for (std::size_t part = 0; part < parts; ++part) {
-        column[part] = hn::LoadU(pairs, columns + k * 16 + part * 2 * lanes);
-      }
-      for (std::size_t r = 0; r < Rows; ++r) {
-        std::int32_t two = 0;
-        std::memcpy(&two, rows + r * stride + k, sizeof two);
-        const auto both = hn::BitCast(pairs, hn::Set(d, two));
-        for (std::size_t part = 0; part < parts; ++part) {
-          sum[r][part] = hn::ReorderWidenMulAccumulate(d, column[part], both, sum[r][part], upper[r][part]);
-        }
-      }
-    }
-    for (std::size_t r = 0; r < Rows; ++r) {
-      for (std::size_t part = 0; part < parts; ++part) {
-        sum[r][part] = hn::RearrangeToOddPlusEven(sum[r][part], upper[r][part]);
-      }
-    }
-#endif
-  }
-};
+constexpr std::uint32_t rows_at_once = 4;
 
 /// Of each of 16 queries the largest product so far and its row: a first guess at the nearest.
 template <class Bound>
@@ -125,6 +41,9 @@ HWY_INLINE void add_products(const typename Bound::Element* columns, const Descr
   const typename LargestProducts<Bound>::Tag d;
   const typename LargestProducts<Bound>::Indices indices;
   const std::size_t stride = Bound::stride(reference);
+  // A few of these rows will be compared exactly, and which is known late: they are fetched while there is other work.
+  const float* const rows = reference.rows + std::size_t{first} * reference.stride;
+  for (std::size_t i = 0; i < Rows * reference.stride; i += 16) { hwy::Prefetch(rows + i); }
   hn::Vec<decltype(d)> sum[Rows][parts];
   Bound::multiply(columns, Bound::rows(reference) + first * stride, stride, sum);
   for (std::uint32_t r = 0; r < Rows; ++r) {
@@ -157,16 +76,16 @@ HWY_INLINE void all_products(const typename Bound::Element* columns, const Descr
   for (std::size_t part = 0; part < parts; ++part) { hn::StoreU(largest.row[part], indices, guess + part * lanes); }
 }
 
-/// Bit `lane` is set where the product of that query with the row of `products` exceeds `least`.
+/// Bits of the queries, lane by lane, whose product with the row of `products` exceeds `least`.
 template <class Product>
-HWY_INLINE std::uint32_t exceeding(const Product* products, const Product (&least)[16]) {
+HWY_INLINE std::uint64_t exceeding(const Product* products, const Product (&least)[16]) {
   const hn::Rebind<Product, Floats> d;
-  std::uint32_t bits = 0;
+  std::uint64_t bits = 0;
   for (std::size_t part = 0; part < parts; ++part) {
     const auto exceeds = hn::Gt(hn::LoadU(d, products + part * lanes), hn::LoadU(d, least + part * lanes));
     std::uint8_t mask[8] = {};
     hn::StoreMaskBits(d, exceeds, mask);
-    bits |= (static_cast<std::uint32_t>(mask[0]) | (lanes > 8 ? static_cast<std::uint32_t>(mask[1]) << 8U : 0U))
+    bits |= (static_cast<std::uint64_t>(mask[0]) | (lanes > 8 ? static_cast<std::uint64_t>(mask[1]) << 8U : 0U))
             << (part * lanes);
   }
   return bits;
@@ -193,9 +112,16 @@ HWY_INLINE void nearest_of_block(const typename Bound::Element* columns, const f
     least[lane] = Bound::least_product(nearest[lane].distance);
     product = std::numeric_limits<Product>::lowest();  // done
   }
-  for (std::uint32_t j = 0; j < reference.count; ++j) {
-    for (std::uint32_t bits = exceeding(products + std::size_t{j} * 16, least); bits != 0; bits &= bits - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
+  for (std::uint32_t first = 0; first < reference.count; first += rows_at_once) {
+    std::uint64_t bits = 0;
+    const std::uint32_t rows = std::min<std::uint32_t>(rows_at_once, reference.count - first);
+    for (std::uint32_t r = 0; r < rows; ++r) {
+      bits |= exceeding(products + (std::size_t{first} + r) * 16, least) << (16 * r);
+    }
+    for (; bits != 0; bits &= bits - 1) {
+      const auto bit = static_cast<std::uint32_t>(std::countr_zero(bits));
+      const std::uint32_t j = first + bit / 16;
+      const std::size_t lane = bit % 16;
       const float distance = chi_square(query + lane * stride, reference.rows + j * stride, stride);
       Nearest& known = nearest[lane];  // of equal distances the first; the guess may come from further behind
       if (distance < known.distance || (distance == known.distance && j < known.reference)) { known = {j, distance}; }
