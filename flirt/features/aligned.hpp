@@ -22,5 +22,6 @@ struct CacheLineAllocator {
 };
 
 using AlignedDoubles = std::vector<double, CacheLineAllocator<double>>;
+using AlignedFloats = std::vector<float, CacheLineAllocator<float>>;
 
 }  // namespace flirt

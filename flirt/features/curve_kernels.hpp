@@ -7,40 +7,45 @@
 
 namespace flirt::curve_kernels {
 
-/// All arrays but those of `damped_displacement` start on a cache line and reach this many doubles beyond their last
-/// element.
+/// Points are taken in groups of so many. All arrays but those of `damped_displacement` start on a cache line and reach
+/// this many elements beyond their last.
 inline constexpr std::size_t padding{8};
 
 /// The pairs (i, j), i < j, i < count, of points no further apart than `reach` along a curve.
 struct Pairs {
-  const double* arc;     ///< positions along the curve, increasing; `extended` of them, the padding infinite
-  std::size_t count;     ///< points that have a row of pairs
-  std::size_t extended;  ///< points that can be the second of a pair, ≥ count
-  double reach;          ///< in the unit of `arc`
-  std::uint32_t* ends;   ///< written by `find_ends`: one per two rows, beyond their last point
+  const double* arc;      ///< positions along the curve, increasing; `extended` of them, the padding infinite
+  const float* arc_high;  ///< `arc` in single precision
+  const float* arc_low;   ///< the rest of it; the padding finite
+  const float* reach_of;  ///< a point is second of pairs no further apart than this: `reach`, but for ties
+  std::size_t count;      ///< points that have a row of pairs
+  std::size_t extended;   ///< points that can be the second of a pair, ≥ count
+  double reach;           ///< in the unit of `arc`, at most `farthest`, no less than any `reach_of`
+  std::uint32_t* ends;    ///< written by `find_ends`: one per two rows, beyond their last point
 };
+inline constexpr double farthest = 11.0;  ///< 2^(−11²) is nothing, and still a float
 
-/// Fills pairs.ends. Returns the number of doubles that the kernel of these pairs needs.
+/// Fills pairs.ends. Returns the number of floats that the kernel of these pairs needs.
 std::size_t find_ends(const Pairs& pairs);
 
 /// kernel = 2^−(arc_i − arc_j)² for all pairs, in an order that only `weighted_sums` knows; adds each to sum[i] and to
-/// sum[j]. Relative error below 1e-10.
-void gaussian_sums(const Pairs& pairs, double* kernel, double* sum);
+/// sum[j]. In single precision: relative error of the kernel below 2e-6.
+void gaussian_sums(const Pairs& pairs, float* kernel, float* sum);
 
 /// Three values per point.
 struct Columns {
-  double* weight;
-  double* weighted_x;
-  double* weighted_y;
+  float* weight;
+  float* x;
+  float* y;
 };
 
-/// columns_i = (1, x_i, y_i) / density_i, i < n.
-void prepare_columns(const double* x, const double* y, const double* density, std::size_t n, const Columns& columns);
+/// weight_i = 1 / density_i, i < n.
+void invert(const float* density, std::size_t n, float* weight);
 
-/// For all pairs: sums[i] += kernel_ij · columns[j] and sums[j] += kernel_ij · columns[i], in each of the columns.
-void weighted_sums(const Pairs& pairs, const double* kernel, const Columns& columns, const Columns& sums);
+/// For all pairs: what point j adds to the smoothed point i, as an offset from point i, and the other way around.
+/// sums.weight[i] += kernel_ij · weight_j, sums.x[i] += kernel_ij · weight_j · (x_j − x_i), likewise y.
+void weighted_sums(const Pairs& pairs, const float* kernel, const Columns& points, const Columns& sums);
 
-/// weighted_x_i and weighted_y_i divided by weight_i, in place, i < n.
+/// x_i and y_i divided by weight_i, in place, i < n.
 void divide_columns(const Columns& sums, std::size_t n);
 
 /// Coordinates of the points and of their smoothed counterparts.

@@ -11,7 +11,10 @@
 namespace flirt {
 namespace {
 
-void resize_padded(AlignedDoubles& values, std::size_t n) {
+constexpr double rounding = 3e-7;  ///< relative, of distances in single precision
+
+template <class Values>
+void resize_padded(Values& values, std::size_t n) {
   values.resize(n + curve_kernels::padding);
 }
 
@@ -41,8 +44,11 @@ void CurveSmoother::set_curve(std::span<const double> x, std::span<const double>
   length_ = length;
   resize_padded(x_, points_);
   resize_padded(y_, points_);
-  std::ranges::copy(x, x_.begin());
-  std::ranges::copy(y, y_.begin());
+  exact_x_.assign(x.begin(), x.end());
+  exact_y_.assign(y.begin(), y.end());
+  const auto rounded = [](double value) { return static_cast<float>(value); };
+  std::ranges::transform(x, x_.begin(), rounded);
+  std::ranges::transform(y, y_.begin(), rounded);
   arc_.assign(arc.begin(), arc.end());
 }
 
@@ -64,14 +70,31 @@ void CurveSmoother::lay_out(double unit, double reach) {
             std::numeric_limits<double>::infinity());
 }
 
+/// Positions as two floats each, and the reach of each point: `reach` in the unit of positions. Floats can't tell two
+/// nearly equal ways around a closed curve apart, so ghosts reach a little less.
+void CurveSmoother::split_positions(double reach) {
+  resize_padded(position_high_, extended_);
+  resize_padded(position_low_, extended_);
+  for (std::size_t i = 0; i < position_.size(); ++i) {
+    position_high_[i] = static_cast<float>(position_[i]);
+    position_low_[i] = static_cast<float>(position_[i] - double{position_high_[i]});
+  }
+  std::fill(position_low_.begin() + static_cast<std::ptrdiff_t>(extended_), position_low_.end(), 0.0F);
+  resize_padded(reach_of_, extended_);
+  const auto ghosts = reach_of_.begin() + static_cast<std::ptrdiff_t>(points_);
+  std::fill(reach_of_.begin(), ghosts, static_cast<float>(reach * (1.0 + rounding)));
+  std::fill(ghosts, reach_of_.end(), static_cast<float>(reach * (1.0 - rounding)));
+}
+
 /// Gives every ghost the value of its point, and the padding zeros: no weight.
-void CurveSmoother::append_ghosts(AlignedDoubles& values) const {
+void CurveSmoother::append_ghosts(AlignedFloats& values) const {
+  resize_padded(values, extended_);
   for (std::size_t j = points_; j < extended_; ++j) { values[j] = values[j - points_]; }
-  std::fill(values.begin() + static_cast<std::ptrdiff_t>(extended_), values.end(), 0.0);
+  std::fill(values.begin() + static_cast<std::ptrdiff_t>(extended_), values.end(), 0.0F);
 }
 
 /// Adds what the ghosts have collected to their points.
-void CurveSmoother::fold_ghosts(AlignedDoubles& sums) const {
+void CurveSmoother::fold_ghosts(AlignedFloats& sums) const {
   for (std::size_t j = points_; j < extended_; ++j) { sums[j - points_] += sums[j]; }
 }
 
@@ -82,36 +105,38 @@ void CurveSmoother::smooth(double t, double reach, SmoothedCurve& out) {
   const double unit = t * std::sqrt(2.0 / std::numbers::log2e);  // 2^−x² in this unit is e^−x²/2t²
   const double farthest = closed_ ? std::min(reach * t, 0.5 * length_) : reach * t;
   lay_out(unit, farthest);
+  const double farthest_position = std::min(farthest / unit, curve_kernels::farthest);
+  split_positions(farthest_position);
   ends_.resize((points_ + 1) / 2);
-  const curve_kernels::Pairs pairs{position_.data(), points_, extended_, farthest / unit, ends_.data()};
+  const curve_kernels::Pairs pairs{.arc = position_.data(),
+                                   .arc_high = position_high_.data(),
+                                   .arc_low = position_low_.data(),
+                                   .reach_of = reach_of_.data(),
+                                   .count = points_,
+                                   .extended = extended_,
+                                   .reach = farthest_position * (1.0 + 2.0 * rounding),
+                                   .ends = ends_.data()};
   const std::size_t size = curve_kernels::find_ends(pairs);
   if (kernel_.size() < size) { kernel_.resize(size); }
-  for (AlignedDoubles* column : {&weight_, &weighted_x_, &weighted_y_, &sum_, &sum_x_, &sum_y_}) {
+  for (AlignedFloats* column : {&density_, &weight_, &sum_, &sum_x_, &sum_y_}) {
     resize_padded(*column, extended_);
+    std::ranges::fill(*column, 0.0F);
   }
+  std::fill_n(density_.begin(), points_, 1.0F);  // k_ii
+  curve_kernels::gaussian_sums(pairs, kernel_.data(), density_.data());
+  fold_ghosts(density_);
 
-  std::ranges::fill(sum_, 0.0);
-  std::fill_n(sum_.begin(), points_, 1.0);  // k_ii
-  curve_kernels::gaussian_sums(pairs, kernel_.data(), sum_.data());
-  fold_ghosts(sum_);
-
-  const curve_kernels::Columns columns{weight_.data(), weighted_x_.data(), weighted_y_.data()};
-  curve_kernels::prepare_columns(x_.data(), y_.data(), sum_.data(), points_, columns);
-  for (AlignedDoubles* column : {&weight_, &weighted_x_, &weighted_y_}) { append_ghosts(*column); }
-  const auto start_sums = [&](AlignedDoubles& sums, const AlignedDoubles& column) {  // k_ii again
-    std::copy_n(column.begin(), points_, sums.begin());
-    std::fill(sums.begin() + static_cast<std::ptrdiff_t>(points_), sums.end(), 0.0);
-  };
-  start_sums(sum_, weight_);
-  start_sums(sum_x_, weighted_x_);
-  start_sums(sum_y_, weighted_y_);
-
+  curve_kernels::invert(density_.data(), points_, weight_.data());
+  for (AlignedFloats* column : {&weight_, &x_, &y_}) { append_ghosts(*column); }
+  std::copy_n(weight_.begin(), points_, sum_.begin());  // k_ii again
   const curve_kernels::Columns sums{sum_.data(), sum_x_.data(), sum_y_.data()};
-  curve_kernels::weighted_sums(pairs, kernel_.data(), columns, sums);
-  for (AlignedDoubles* column : {&sum_, &sum_x_, &sum_y_}) { fold_ghosts(*column); }
+  curve_kernels::weighted_sums(pairs, kernel_.data(), {weight_.data(), x_.data(), y_.data()}, sums);
+  for (AlignedFloats* column : {&sum_, &sum_x_, &sum_y_}) { fold_ghosts(*column); }
   curve_kernels::divide_columns(sums, points_);
-  std::copy_n(sum_x_.begin(), points_, out.x.begin());
-  std::copy_n(sum_y_.begin(), points_, out.y.begin());
+  for (std::size_t i = 0; i < points_; ++i) {
+    out.x[i] = exact_x_[i] + double{sum_x_[i]};
+    out.y[i] = exact_y_[i] + double{sum_y_[i]};
+  }
 }
 
 void smooth_over(const GeodesicNeighbours& neighbours, std::span<const double> x, std::span<const double> y, double t,

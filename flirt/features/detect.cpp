@@ -23,7 +23,7 @@ struct Work {
   std::vector<double> response{};
   std::vector<std::uint32_t> peaks{};
   std::vector<Candidate> candidates{};
-  std::vector<std::uint32_t> order{};
+  DuplicateWork duplicates{};
   std::vector<Keypoint> keypoints{};
   // Curvature.
   CurveSmoother smoother{};
@@ -147,7 +147,7 @@ void run(const ScanCurve& curve, const CurvatureParams& params, const Plan& plan
     for (std::size_t i = 0; i < curve.size(); ++i) { scale.smoothed_curve.push_back({smoothed.x[i], smoothed.y[i]}); }
   }
   drop_near_ends(curve, plan, params.end_margin, work.candidates);
-  drop_duplicates(curve, params.selection, work.order, work.candidates);
+  drop_duplicates(curve, params.selection, work.duplicates, work.candidates);
   for (const Candidate& candidate : work.candidates) {
     const SmoothedCurve& smoothed = work.smoothed_curves[candidate.level];
     const std::uint32_t anchor = anchor_of(candidate, params.selection.anchor);
@@ -237,7 +237,7 @@ void run(const ScanCurve& curve, const Params& params, const Plan& plan, Work& w
     trace_scale(t, work, scale);
     scale.smoothed_signal = work.smoothed;
   }
-  drop_duplicates(curve, params.selection, work.order, work.candidates);
+  drop_duplicates(curve, params.selection, work.duplicates, work.candidates);
   for (const Candidate& candidate : work.candidates) {
     const std::uint32_t anchor = anchor_of(candidate, params.selection.anchor);
     const double t = plan.scales[candidate.level];

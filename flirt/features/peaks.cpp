@@ -10,6 +10,13 @@ namespace {
 /// Samples closer than this are equal: rounding differs when the same scan is seen from another heading.
 constexpr double plateau_tolerance{1e-9};
 
+/// An open signal as it is.
+struct PlainSamples {
+  const double* signal;
+
+  [[nodiscard]] double operator[](std::size_t i) const { return signal[i]; }
+};
+
 /// The signal, or its negative, with indices that may go around a closed signal once more.
 struct Samples {
   std::span<const double> signal;
@@ -48,7 +55,8 @@ struct Stretch {
   std::size_t end;
 };
 
-void peaks_over_neighbours(const Samples& samples, Stretch stretch, const PeakParams& params, const Collector& out) {
+template <class Signal>
+void peaks_over_neighbours(const Signal& samples, Stretch stretch, const PeakParams& params, const Collector& out) {
   for (std::size_t first = stretch.begin + 1; first + 1 < stretch.end;) {
     const double value = samples[first];
     if (!(value > params.threshold && value - samples[first - 1] > params.difference)) {
@@ -63,7 +71,8 @@ void peaks_over_neighbours(const Samples& samples, Stretch stretch, const PeakPa
 }
 
 /// The prominent peaks within samples begin .. end − 1, the first of which is no peak.
-void prominent_peaks_within(const Samples& samples, Stretch stretch, const PeakParams& params, const Collector& out) {
+template <class Signal>
+void prominent_peaks_within(const Signal& samples, Stretch stretch, const PeakParams& params, const Collector& out) {
   double low = samples[stretch.begin];  // since the last peak
   bool rising = false;                  // more than the difference above `low`: looking for the top
   double top = 0.0;
@@ -90,7 +99,8 @@ void prominent_peaks_within(const Samples& samples, Stretch stretch, const PeakP
   }
 }
 
-void prominent_peaks(const Samples& samples, Stretch stretch, const PeakParams& params, const Collector& out) {
+template <class Signal>
+void prominent_peaks(const Signal& samples, Stretch stretch, const PeakParams& params, const Collector& out) {
   // A peak above the threshold ends, on both sides, with samples below this: only look between such.
   const double floor = params.threshold - params.difference;
   for (std::size_t i = stretch.begin; i + 1 < stretch.end;) {
@@ -105,6 +115,12 @@ void prominent_peaks(const Samples& samples, Stretch stretch, const PeakParams& 
   }
 }
 
+template <class Signal>
+void peaks_of(const Signal& samples, Stretch stretch, const PeakParams& params, const Collector& out) {
+  params.rule == PeakRule::neighbours ? peaks_over_neighbours(samples, stretch, params, out)
+                                      : prominent_peaks(samples, stretch, params, out);
+}
+
 }  // namespace
 
 void find_peaks(std::span<const double> signal, const PeakParams& params, const PeakSearch& search,
@@ -113,12 +129,15 @@ void find_peaks(std::span<const double> signal, const PeakParams& params, const 
   const std::size_t n = signal.size();
   if (n < 3) { return; }
   const Collector collector{search, n, peaks};
-  const auto find = params.rule == PeakRule::neighbours ? peaks_over_neighbours : prominent_peaks;
+  if (search.extrema == Extrema::maxima && !search.closed) {
+    peaks_of(PlainSamples{signal.data()}, {0, n}, params, collector);  // already in order
+    return;
+  }
   for (const double sign : {1.0, -1.0}) {
     if (sign < 0.0 && search.extrema == Extrema::maxima) { break; }
     const Samples samples{signal, sign};
     const std::size_t begin = search.closed ? lowest(samples, n) : 0;
-    find(samples, {begin, search.closed ? begin + n + 1 : n}, params, collector);
+    peaks_of(samples, {begin, search.closed ? begin + n + 1 : n}, params, collector);
   }
   std::ranges::sort(peaks);
 }

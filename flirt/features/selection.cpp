@@ -28,8 +28,9 @@ std::uint32_t foreground_point(const ScanCurve& curve, std::uint32_t peak, doubl
   return nearest;
 }
 
-void drop_duplicates(const ScanCurve& curve, const SelectionParams& params, std::vector<std::uint32_t>& order,
+void drop_duplicates(const ScanCurve& curve, const SelectionParams& params, DuplicateWork& work,
                      std::vector<Candidate>& candidates) {
+  auto& [order, kept_points] = work;
   order.resize(candidates.size());
   std::iota(order.begin(), order.end(), 0U);
   if (params.precedence == Precedence::response) {
@@ -43,15 +44,20 @@ void drop_duplicates(const ScanCurve& curve, const SelectionParams& params, std:
   }
   const double squared_radius = params.duplicate_radius * params.duplicate_radius;
   std::size_t kept = 0;  // order[0] .. order[kept − 1] stay
+  kept_points.clear();
   for (const std::uint32_t index : order) {
     const Candidate& candidate = candidates[index];
     const Point2 point = point_of(curve, candidate);
-    const bool duplicate = std::any_of(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(kept), [&](auto i) {
-      const Candidate& other = candidates[i];
-      return squared_norm(point - point_of(curve, other)) < squared_radius ||
-             (other.point == candidate.point && other.level == candidate.level);
-    });
-    if (!duplicate) { order[kept++] = index; }
+    bool duplicate = false;  // no early end: the kept ones are few, and where one lies cannot be foreseen
+    for (const Point2& other : kept_points) { duplicate |= squared_norm(point - other) < squared_radius; }
+    if (!(squared_radius > 0.0)) {
+      duplicate = std::any_of(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(kept), [&](auto i) {
+        return candidates[i].point == candidate.point && candidates[i].level == candidate.level;
+      });
+    }
+    if (duplicate) { continue; }
+    order[kept++] = index;
+    kept_points.push_back(point);
   }
   std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(kept));
   for (std::size_t i = 0; i < kept; ++i) { candidates[i] = candidates[order[i]]; }  // order[i] ≥ i

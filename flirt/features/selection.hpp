@@ -58,10 +58,16 @@ struct Candidate {
 /// (the one at the larger angle when equally near) if it is nearer than the peak itself, else the peak.
 [[nodiscard]] std::uint32_t foreground_point(const ScanCurve& curve, std::uint32_t peak, double jump);
 
+/// Working memory of drop_duplicates.
+struct DuplicateWork {
+  std::vector<std::uint32_t> order{};
+  std::vector<Point2> kept_points{};  ///< m
+};
+
 /// Keeps in `candidates` (sorted by level, then peak) those that are not duplicates: each in turn, fine scales first,
 /// unless a kept one lies closer than the radius. Two candidates of one level at the same point count once whatever the
-/// radius. `order` is working memory. O(candidates · kept).
-void drop_duplicates(const ScanCurve& curve, const SelectionParams& params, std::vector<std::uint32_t>& order,
+/// radius. O(candidates · kept).
+void drop_duplicates(const ScanCurve& curve, const SelectionParams& params, DuplicateWork& work,
                      std::vector<Candidate>& candidates);
 
 template <class Params, class Visitor>

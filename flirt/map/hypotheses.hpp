@@ -56,7 +56,8 @@ void sort_hypotheses(std::span<Hypothesis> hypotheses, HypothesisOrder order);
 [[nodiscard]] double score_from_residual(double residual, double inlier_distance);
 
 /// Groups sorted hypotheses into places: each one not yet taken founds a place and takes all others within
-/// `max_distance` (m) and `max_heading` (rad). Places come in the order of their founders. O(hypotheses · places).
+/// `max_distance` (m) and `max_heading` (rad). Places come in the order of their founders. Positions are
+/// finite. O(hypotheses · places nearby).
 [[nodiscard]] std::vector<Place> distinct_places(std::span<const Hypothesis> sorted, double max_distance,
                                                  double max_heading);
 

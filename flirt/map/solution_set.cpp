@@ -18,6 +18,14 @@ Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance_in_a, const Pose2& map_
   return rotation * covariance_in_a * rotation.transpose();
 }
 
+DescriptorRows all_descriptors(const PlaceMap& map) {
+  return {.rows = map.columns().descriptor_rows.data(),
+          .roots = map.columns().descriptor_roots.data(),
+          .count = static_cast<std::uint32_t>(map.feature_count()),
+          .dimension = map.descriptor_dimension(),
+          .stride = map.descriptor_stride()};
+}
+
 /// What one thread finds in its share of the map.
 struct Finds {
   std::vector<Hypothesis> hypotheses;
@@ -25,10 +33,10 @@ struct Finds {
   bool saw_candidate{false};
 };
 
-void match_map_scan(const PlaceMap& map, std::size_t map_scan, PairMatcher& matcher, const RansacParams& params,
-                    Finds& finds) {
+void match_map_scan(const PlaceMap& map, std::size_t map_scan, const FeatureColumns& features, PairMatcher& matcher,
+                    const RansacParams& params, Finds& finds) {
   finds.saw_map_scan = true;
-  const std::optional<PairAlignment> found = matcher.align(map.features(map_scan));
+  const std::optional<PairAlignment> found = matcher.align(features);
   finds.saw_candidate = finds.saw_candidate || !matcher.candidates().empty();
   if (!found) { return; }
   const Pose2& map_from_reference = map.map_from_sensor(map_scan);
@@ -92,7 +100,32 @@ SolutionSetFinder::SolutionSetFinder(PlaceMap map, const SolutionSetParams& para
       params_(params),
       matchers_(thread_count(threads), PairMatcher(params.match, params.ransac)) {}
 
+void SolutionSetFinder::sketch_map() {
+  const bool by_nearest = params_.match.strategy == MatchStrategy::nearest;
+  const bool useful = by_nearest && params_.match.distance == Distance::chi_square && map_.feature_count() > 0;
+  if (!useful || !sketches_.empty()) { return; }
+  const DescriptorRows rows = all_descriptors(map_);
+  sketch_axes_ = fit_sketch_axes(rows);
+  sketches_.resize(std::size_t{rows.count} * sketch_size);
+  constexpr std::size_t block = 1024;
+  parallel_for((rows.count + block - 1) / block, matchers_.size(), [&](std::size_t i, std::size_t /*thread*/) {
+    const std::size_t first = i * block;
+    const std::size_t last = std::min<std::size_t>(first + block, rows.count);
+    sketch_rows(sketch_axes_, rows, first, last,
+                std::span(sketches_).subspan(first * sketch_size, (last - first) * sketch_size));
+  });
+}
+
+FeatureColumns SolutionSetFinder::map_features(std::size_t map_scan) const {
+  FeatureColumns features = map_.features(map_scan);
+  if (!sketches_.empty()) {
+    features.descriptors.sketches = sketches_.data() + map_.columns().feature_begin[map_scan] * sketch_size;
+  }
+  return features;
+}
+
 SolutionSet SolutionSetFinder::find(const Features& features, ScanInterval excluded) {
+  sketch_map();
   std::vector<std::uint32_t> map_scans;
   map_scans.reserve(map_.size());
   for (std::uint32_t scan = 0; scan < map_.size(); ++scan) {
@@ -103,14 +136,21 @@ SolutionSet SolutionSetFinder::find(const Features& features, ScanInterval exclu
 
 SolutionSet SolutionSetFinder::find_among(const Features& features, std::span<const std::uint32_t> map_scans) {
   const KeypointTable table = table_of(features.keypoints);
-  for (PairMatcher& matcher : matchers_) { matcher.set_query({table.columns(), rows_of(features.descriptors)}); }
+  DescriptorRows rows = rows_of(features.descriptors);
+  std::vector<std::int16_t> sketches;
+  if (!sketches_.empty() && rows.count > 0) {
+    sketches = sketches_of(sketch_axes_, rows);
+    rows.sketches = sketches.data();
+  }
+  for (PairMatcher& matcher : matchers_) { matcher.set_query({table.columns(), rows}); }
 
   std::vector<Finds> parts(matchers_.size());
   constexpr std::size_t grain = 64;
   parallel_for(
       map_scans.size(), matchers_.size(),
       [&](std::size_t i, std::size_t thread) {
-        match_map_scan(map_, map_scans[i], matchers_[thread], params_.ransac, parts[thread]);
+        match_map_scan(map_, map_scans[i], map_features(map_scans[i]), matchers_[thread], params_.ransac,
+                       parts[thread]);
       },
       {}, grain);
   Finds finds = merged(std::move(parts));

@@ -13,6 +13,7 @@
 #include "flirt/match/match.hpp"
 #include "flirt/match/pair_matcher.hpp"
 #include "flirt/match/ransac.hpp"
+#include "flirt/match/sketch.hpp"
 
 #include <concepts>
 #include <cstddef>
@@ -70,15 +71,20 @@ class SolutionSetFinder {
 
   /// `features` made with the map's `feature_params`. Map scans in `excluded` do not take part, as if they weren't
   /// there: a map scan's match depends on nothing but the query, that scan and the seed.
-  /// O(map scans · query keypoints · keypoints a map scan).
+  /// O(map scans · query keypoints · keypoints a map scan); the first call also makes a sketch of every map feature.
   [[nodiscard]] SolutionSet find(const Features& features, ScanInterval excluded = {});
   /// The same with `map_scans` alone, indices each once: an index's choice (word_index.hpp).
   [[nodiscard]] SolutionSet find_among(const Features& features, std::span<const std::uint32_t> map_scans);
 
  private:
+  void sketch_map();
+  [[nodiscard]] FeatureColumns map_features(std::size_t map_scan) const;
+
   PlaceMap map_;
   SolutionSetParams params_;
-  std::vector<PairMatcher> matchers_;  ///< one per thread
+  SketchAxes sketch_axes_{};
+  std::vector<std::int16_t> sketches_{};  ///< of all map features, once a query asked all map scans
+  std::vector<PairMatcher> matchers_;     ///< one per thread
 };
 
 }  // namespace flirt

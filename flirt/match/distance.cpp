@@ -143,7 +143,8 @@ DescriptorRows rows_of(const Descriptors& descriptors) {
           descriptors.variances.empty() ? nullptr : descriptors.variances.data(),
           static_cast<std::uint32_t>(descriptors.size()),
           descriptors.dimension,
-          descriptors.stride};
+          descriptors.stride,
+          nullptr};
 }
 
 void descriptor_distances(Distance distance, const DescriptorRows& query, std::size_t i,

@@ -43,8 +43,9 @@ struct DescriptorRows {
   const float* roots{nullptr};      ///< square roots of `rows`
   const float* variances{nullptr};  ///< of the entries of `rows`; null when the descriptor has none
   std::uint32_t count{0};
-  std::uint32_t dimension{0};  ///< bins that carry data
-  std::uint32_t stride{0};     ///< floats from row to row
+  std::uint32_t dimension{0};             ///< bins that carry data
+  std::uint32_t stride{0};                ///< floats from row to row
+  const std::int16_t* sketches{nullptr};  ///< count × sketch_size, see sketch.hpp; null where there are none
 };
 
 [[nodiscard]] DescriptorRows rows_of(const Descriptors& descriptors);

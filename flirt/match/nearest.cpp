@@ -1,4 +1,5 @@
 // flirt/match/nearest.cpp: dot products of 16 queries at a time with 4 references, then exact distances of the rest.
+#define HWY_WANT_AVX3_DL  // instructions for sums of products of small integers, left out by default
 #include "flirt/match/nearest.hpp"
 
 #include "flirt/core/assert.hpp"
@@ -6,120 +7,136 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "flirt/match/nearest.cpp"
 #include <hwy/foreach_target.h>
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
-#include "flirt/match/lanes-inl.hpp"
+#include "flirt/match/products-inl.hpp"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace flirt::HWY_NAMESPACE {
 namespace {
 
-/// Rounding of a dot product of normalised rows, and of their normalisation, with room to spare.
-constexpr float bound_slack = 1e-5F;
+constexpr std::uint32_t rows_at_once = 4;
 
-/// dots[r · 16 + lane] for `Rows` reference rows from `roots`.
-template <std::size_t Rows>
-HWY_INLINE void dots_of_rows(const float* columns, const float* roots, std::size_t stride, std::size_t dimension,
-                             float* dots) {
-  const Floats d;
-  FloatVector sum[Rows][parts];
-  for (auto& row : sum) {
-    for (auto& part : row) { part = hn::Zero(d); }
-  }
-  for (std::size_t k = 0; k < dimension; ++k) {
-    FloatVector column[parts];
-    for (std::size_t part = 0; part < parts; ++part) { column[part] = hn::LoadU(d, columns + k * 16 + part * lanes); }
-    for (std::size_t r = 0; r < Rows; ++r) {
-      const auto root = hn::Set(d, roots[r * stride + k]);
-      for (std::size_t part = 0; part < parts; ++part) { sum[r][part] = hn::MulAdd(column[part], root, sum[r][part]); }
+/// Of each of 16 queries the largest product so far and its row: a first guess at the nearest.
+template <class Bound>
+struct LargestProducts {
+  using Tag = hn::Rebind<typename Bound::Product, Floats>;
+  using Indices = hn::RebindToUnsigned<Floats>;
+  hn::Vec<Tag> product[parts];
+  hn::Vec<Indices> row[parts];
+};
+
+/// products[r · 16 + lane] for `Rows` rows from row `first`.
+template <std::size_t Rows, class Bound>
+HWY_INLINE void add_products(const typename Bound::Element* columns, const DescriptorRows& reference,
+                             std::uint32_t first, typename Bound::Product* products, LargestProducts<Bound>& largest) {
+  const typename LargestProducts<Bound>::Tag d;
+  const typename LargestProducts<Bound>::Indices indices;
+  const std::size_t stride = Bound::stride(reference);
+  // A few of these rows will be compared exactly, and which is known late: they are fetched while there is other work.
+  const float* const rows = reference.rows + std::size_t{first} * reference.stride;
+  for (std::size_t i = 0; i < Rows * reference.stride; i += 16) { hwy::Prefetch(rows + i); }
+  hn::Vec<decltype(d)> sum[Rows][parts];
+  Bound::multiply(columns, Bound::rows(reference) + first * stride, stride, sum);
+  for (std::uint32_t r = 0; r < Rows; ++r) {
+    for (std::size_t part = 0; part < parts; ++part) {
+      hn::StoreU(sum[r][part], d, products + (first + r) * 16 + part * lanes);
+      const auto larger = hn::Gt(sum[r][part], largest.product[part]);
+      largest.product[part] = hn::IfThenElse(larger, sum[r][part], largest.product[part]);
+      largest.row[part] =
+          hn::IfThenElse(hn::RebindMask(indices, larger), hn::Set(indices, first + r), largest.row[part]);
     }
   }
-  for (std::size_t r = 0; r < Rows; ++r) {
-    for (std::size_t part = 0; part < parts; ++part) { hn::StoreU(sum[r][part], d, dots + r * 16 + part * lanes); }
-  }
 }
 
-/// Keeps the smaller distance, and of equal ones the smaller index.
-HWY_INLINE void keep_nearer(Nearest& nearest, std::uint32_t reference, float distance) {
-  if (distance < nearest.distance || (distance == nearest.distance && reference < nearest.reference)) {
-    nearest = {reference, distance};
-  }
-}
-
-/// The row of largest dot product of each of the 16 queries: a first guess at the nearest.
-HWY_INLINE void rows_of_largest_dot(const float* dots, std::uint32_t count, std::uint32_t (&row)[16]) {
-  const Floats d;
-  const hn::RebindToUnsigned<Floats> du;
+/// All products; guess[lane] is the row of the largest.
+template <class Bound>
+HWY_INLINE void all_products(const typename Bound::Element* columns, const DescriptorRows& reference,
+                             typename Bound::Product* products, std::uint32_t (&guess)[16]) {
+  const typename LargestProducts<Bound>::Tag d;
+  const typename LargestProducts<Bound>::Indices indices;
+  LargestProducts<Bound> largest;
   for (std::size_t part = 0; part < parts; ++part) {
-    auto largest = hn::Set(d, -1.0F);
-    auto index = hn::Zero(du);
-    for (std::uint32_t j = 0; j < count; ++j) {
-      const auto dot = hn::LoadU(d, dots + std::size_t{j} * 16 + part * lanes);
-      const auto larger = hn::Gt(dot, largest);
-      largest = hn::IfThenElse(larger, dot, largest);
-      index = hn::IfThenElse(hn::RebindMask(du, larger), hn::Set(du, j), index);
-    }
-    hn::StoreU(index, du, row + part * lanes);
+    largest.product[part] = hn::Set(d, typename Bound::Product{-1});
+    largest.row[part] = hn::Zero(indices);
   }
+  std::uint32_t j = 0;
+  for (; j + rows_at_once <= reference.count; j += rows_at_once) {
+    add_products<rows_at_once>(columns, reference, j, products, largest);
+  }
+  for (; j < reference.count; ++j) { add_products<1>(columns, reference, j, products, largest); }
+  for (std::size_t part = 0; part < parts; ++part) { hn::StoreU(largest.row[part], indices, guess + part * lanes); }
 }
 
-/// Bit `lane` is set where the dot product of that query with row j is at least `needed`.
-HWY_INLINE std::uint32_t reaching(const float* dots, std::size_t j, const float (&needed)[16]) {
-  const Floats d;
-  std::uint32_t bits = 0;
+/// Bits of the queries, lane by lane, whose product with the row of `products` exceeds `least`.
+template <class Product>
+HWY_INLINE std::uint64_t exceeding(const Product* products, const Product (&least)[16]) {
+  const hn::Rebind<Product, Floats> d;
+  std::uint64_t bits = 0;
   for (std::size_t part = 0; part < parts; ++part) {
-    const auto reaches = hn::Ge(hn::LoadU(d, dots + j * 16 + part * lanes), hn::LoadU(d, needed + part * lanes));
+    const auto exceeds = hn::Gt(hn::LoadU(d, products + part * lanes), hn::LoadU(d, least + part * lanes));
     std::uint8_t mask[8] = {};
-    hn::StoreMaskBits(d, reaches, mask);
-    bits |= (static_cast<std::uint32_t>(mask[0]) | (lanes > 8 ? static_cast<std::uint32_t>(mask[1]) << 8U : 0U))
+    hn::StoreMaskBits(d, exceeds, mask);
+    bits |= (static_cast<std::uint64_t>(mask[0]) | (lanes > 8 ? static_cast<std::uint64_t>(mask[1]) << 8U : 0U))
             << (part * lanes);
   }
   return bits;
 }
 
-void all_dots(const float* columns, const DescriptorRows& reference, float* dots) {
-  constexpr std::size_t rows_at_once = 4;
-  std::size_t j = 0;
-  for (; j + rows_at_once <= reference.count; j += rows_at_once) {
-    dots_of_rows<rows_at_once>(columns, reference.roots + j * reference.stride, reference.stride, reference.dimension,
-                               dots + j * 16);
-  }
-  for (; j < reference.count; ++j) {
-    dots_of_rows<1>(columns, reference.roots + j * reference.stride, reference.stride, reference.dimension,
-                    dots + j * 16);
-  }
-}
-
-/// Nearest rows of up to 16 queries, `query` their first row, `columns` their roots side by side.
-void nearest_of_block(const float* columns, const float* query, std::size_t queries, const DescriptorRows& reference,
-                      float limit, float* dots, Nearest* nearest) {
+/// Nearest rows of up to 16 queries, `query` their first row, `columns` their roots or sketches side by side.
+template <class Bound>
+HWY_INLINE void nearest_of_block(const typename Bound::Element* columns, const float* query, std::size_t queries,
+                                 const DescriptorRows& reference, float limit, typename Bound::Product* products,
+                                 Nearest* nearest) {
+  using Product = typename Bound::Product;
   const std::size_t stride = reference.stride;
-  all_dots(columns, reference, dots);
   std::uint32_t guess[16];
-  rows_of_largest_dot(dots, reference.count, guess);
-  float needed[16];
-  std::ranges::fill(needed, 2.0F);
+  all_products<Bound>(columns, reference, products, guess);
+  Product least[16];
+  std::ranges::fill(least, std::numeric_limits<Product>::max());
   for (std::size_t lane = 0; lane < queries; ++lane) {
     nearest[lane] = {reference.count, limit};
     const std::uint32_t j = guess[lane];
-    if (1.0F - dots[std::size_t{j} * 16 + lane] - bound_slack > limit) { continue; }
-    keep_nearer(nearest[lane], j, chi_square(query + lane * stride, reference.rows + j * stride, stride));
-    needed[lane] = 1.0F - nearest[lane].distance - bound_slack;
+    Product& product = products[std::size_t{j} * 16 + lane];
+    if (product <= Bound::least_product(limit)) { continue; }
+    const float distance = chi_square(query + lane * stride, reference.rows + j * stride, stride);
+    if (distance < limit) { nearest[lane] = {j, distance}; }
+    least[lane] = Bound::least_product(nearest[lane].distance);
+    product = std::numeric_limits<Product>::lowest();  // done
   }
-  for (std::uint32_t j = 0; j < reference.count; ++j) {
-    for (std::uint32_t bits = reaching(dots, j, needed); bits != 0; bits &= bits - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
-      if (guess[lane] == j) { continue; }
-      keep_nearer(nearest[lane], j, chi_square(query + lane * stride, reference.rows + j * stride, stride));
-      needed[lane] = 1.0F - nearest[lane].distance - bound_slack;
+  for (std::uint32_t first = 0; first < reference.count; first += rows_at_once) {
+    std::uint64_t bits = 0;
+    const std::uint32_t rows = std::min<std::uint32_t>(rows_at_once, reference.count - first);
+    for (std::uint32_t r = 0; r < rows; ++r) {
+      bits |= exceeding(products + (std::size_t{first} + r) * 16, least) << (16 * r);
+    }
+    for (; bits != 0; bits &= bits - 1) {
+      const auto bit = static_cast<std::uint32_t>(std::countr_zero(bits));
+      const std::uint32_t j = first + bit / 16;
+      const std::size_t lane = bit % 16;
+      const float distance = chi_square(query + lane * stride, reference.rows + j * stride, stride);
+      Nearest& known = nearest[lane];  // of equal distances the first; the guess may come from further behind
+      if (distance < known.distance || (distance == known.distance && j < known.reference)) { known = {j, distance}; }
     }
   }
+}
+
+void nearest_by_roots(const float* columns, const float* query, std::size_t queries, const DescriptorRows& reference,
+                      float limit, float* products, Nearest* nearest) {
+  nearest_of_block<RootProducts>(columns, query, queries, reference, limit, products, nearest);
+}
+
+void nearest_by_sketches(const std::int16_t* columns, const float* query, std::size_t queries,
+                         const DescriptorRows& reference, float limit, std::int32_t* products, Nearest* nearest) {
+  nearest_of_block<SketchProducts>(columns, query, queries, reference, limit, products, nearest);
 }
 
 }  // namespace
@@ -130,7 +147,8 @@ HWY_AFTER_NAMESPACE();
 namespace flirt {
 namespace {
 
-HWY_EXPORT(nearest_of_block);
+HWY_EXPORT(nearest_by_roots);
+HWY_EXPORT(nearest_by_sketches);
 
 /// The bound holds for rows that sum to 1 only.
 [[maybe_unused]] bool is_normalised(const DescriptorRows& table) {
@@ -141,17 +159,26 @@ HWY_EXPORT(nearest_of_block);
   return true;
 }
 
+/// Rows of 16 queries side by side, `together` neighbouring elements of each; zeros for queries that are missing.
+template <class Element>
+void lay_side_by_side(const Element* rows, std::size_t count, std::size_t stride, std::size_t together,
+                      std::vector<Element>& columns) {
+  columns.assign((count + 15) / 16 * 16 * stride, Element{0});
+  for (std::size_t i = 0; i < count; ++i) {
+    Element* block = columns.data() + i / 16 * 16 * stride;
+    for (std::size_t k = 0; k < stride; ++k) {
+      block[(k / together * 16 + i % 16) * together + k % together] = rows[i * stride + k];
+    }
+  }
+}
+
 }  // namespace
 
 void NearestRows::set_query(const DescriptorRows& query) {
   FLIRT_ASSERT(is_normalised(query));
   query_ = query;
-  const std::size_t blocks = (query.count + 15) / 16;
-  columns_.assign(blocks * query.stride * 16, 0.0F);
-  for (std::size_t i = 0; i < query.count; ++i) {
-    float* column = columns_.data() + (i / 16) * query.stride * 16 + i % 16;
-    for (std::size_t k = 0; k < query.dimension; ++k) { column[k * 16] = query.roots[i * query.stride + k]; }
-  }
+  lay_side_by_side(query.roots, query.count, query.stride, 1, root_columns_);
+  if (query.sketches != nullptr) { lay_side_by_side(query.sketches, query.count, sketch_size, 2, sketch_columns_); }
   nearest_.resize(query.count);
 }
 
@@ -162,11 +189,25 @@ std::span<const Nearest> NearestRows::search(const DescriptorRows& reference, fl
   }
   FLIRT_ASSERT(query_.count == 0 || query_.stride == reference.stride);
   FLIRT_ASSERT(is_normalised(reference));
-  dots_.resize(std::max(dots_.size(), std::size_t{reference.count} * 16));
+  const std::size_t products = std::size_t{reference.count} * 16;
+  const bool by_sketches = query_.sketches != nullptr && reference.sketches != nullptr;
+  if (by_sketches) {
+    sketch_products_.resize(std::max(sketch_products_.size(), products));
+  } else {
+    root_products_.resize(std::max(root_products_.size(), products));
+  }
   for (std::size_t first = 0; first < query_.count; first += 16) {
-    HWY_DYNAMIC_DISPATCH(nearest_of_block)
-    (columns_.data() + first * query_.stride, query_.rows + first * query_.stride,
-     std::min<std::size_t>(16, query_.count - first), reference, limit, dots_.data(), nearest_.data() + first);
+    const std::size_t queries = std::min<std::size_t>(16, query_.count - first);
+    const float* rows = query_.rows + first * query_.stride;
+    if (by_sketches) {
+      HWY_DYNAMIC_DISPATCH(nearest_by_sketches)
+      (sketch_columns_.data() + first * sketch_size, rows, queries, reference, limit, sketch_products_.data(),
+       nearest_.data() + first);
+    } else {
+      HWY_DYNAMIC_DISPATCH(nearest_by_roots)
+      (root_columns_.data() + first * query_.stride, rows, queries, reference, limit, root_products_.data(),
+       nearest_.data() + first);
+    }
   }
   for (Nearest& nearest : nearest_) {
     if (!(nearest.distance < limit)) { nearest = {}; }

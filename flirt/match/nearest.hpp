@@ -34,8 +34,10 @@ class NearestRows {
 
  private:
   DescriptorRows query_{};
-  std::vector<float> columns_{};  ///< blocks of 16 queries × stride × 16: the roots of 16 queries side by side
-  std::vector<float> dots_{};     ///< reference × 16, of the block at work
+  std::vector<float> root_columns_{};           ///< the roots of 16 queries side by side, and so on
+  std::vector<std::int16_t> sketch_columns_{};  ///< their sketches
+  std::vector<float> root_products_{};          ///< reference × 16, of the block at work
+  std::vector<std::int32_t> sketch_products_{};
   std::vector<Nearest> nearest_{};
 };
 

@@ -3,8 +3,10 @@
 
 #include "flirt/core/assert.hpp"
 #include "flirt/core/rng.hpp"
+#include "flirt/match/rank.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <tuple>
 
@@ -15,6 +17,7 @@ constexpr double chi_square_95_of_1 = 3.84;  ///< 95 % quantile, one degree of f
 constexpr double chi_square_95_of_2 = 5.99;  ///< 95 % quantile, two degrees of freedom: a position
 constexpr double shortest_segment = 1e-3;    ///< m; two keypoints closer than this have no direction
 constexpr int most_refinements = 10;
+constexpr std::size_t most_ranked = 64;  ///< candidates that are cheaper to rank than to sort
 
 PairLimits limits_of(const RansacParams& params) {
   const bool any_turn = params.max_turn_difference >= std::numbers::pi;
@@ -26,6 +29,9 @@ PairLimits limits_of(const RansacParams& params) {
 /// Closest descriptors first; ties by index, so that the order of the input does not matter.
 bool is_better(const Match& a, const Match& b) {
   return std::tie(a.distance, a.query, a.reference) < std::tie(b.distance, b.query, b.reference);
+}
+bool comes_before(const Match& a, const Match& b) {
+  return std::tie(a.query, a.reference) < std::tie(b.query, b.reference);
 }
 bool is_same_pair(const Match& a, const Match& b) {
   return a.query == b.query && a.reference == b.reference;
@@ -59,6 +65,7 @@ void Ransac::set_query(const KeypointColumns& query) {
   query_ = query;
   scored_query_.assign(query);
   nearest_.resize(scored_query_.x.size());
+  squared_.resize(scored_query_.x.size());
 }
 
 std::optional<PairAlignment> Ransac::align(const KeypointColumns& reference, std::span<const Match> candidates) {
@@ -85,15 +92,32 @@ Eigen::Matrix3d Ransac::covariance() const {
   return rigid_covariance(best_.points, best_.reference_from_query, deviation);
 }
 
-void Ransac::prepare(const KeypointColumns& reference, std::span<const Match> candidates) {
-  sorted_.clear();
+/// The usable candidates into sorted_, by descriptor distance.
+void Ransac::sort(const KeypointColumns& reference, std::span<const Match> candidates) {
+  usable_.clear();
+  bool in_order = true;  // of query, then of reference, each pair once: as a matcher returns them
   for (const Match& match : candidates) {
     const bool usable = is_in_sight(query_, match.query) && is_in_sight(reference, match.reference);
-    if (usable && !std::isnan(match.distance)) { sorted_.push_back(match); }
+    if (!usable || std::isnan(match.distance)) { continue; }
+    in_order = in_order && (usable_.empty() || comes_before(usable_.back(), match));
+    usable_.push_back(match);
   }
-  std::ranges::sort(sorted_, is_better);
-  sorted_.erase(std::ranges::unique(sorted_, is_same_pair).begin(), sorted_.end());
+  if (!in_order || usable_.size() > most_ranked) {
+    sorted_ = usable_;
+    std::ranges::sort(sorted_, is_better);
+    sorted_.erase(std::ranges::unique(sorted_, is_same_pair).begin(), sorted_.end());
+    return;
+  }
+  std::array<float, most_ranked> distances{};
+  std::array<std::uint32_t, most_ranked> ranks{};
+  for (std::size_t i = 0; i < usable_.size(); ++i) { distances[i] = usable_[i].distance; }
+  rank_ascending(distances, usable_.size(), ranks);
+  sorted_.resize(usable_.size());
+  for (std::size_t i = 0; i < usable_.size(); ++i) { sorted_[ranks[i]] = usable_[i]; }
+}
 
+void Ransac::prepare(const KeypointColumns& reference, std::span<const Match> candidates) {
+  sort(reference, candidates);
   candidates_.resize(sorted_.size());
   for (std::size_t i = 0; i < sorted_.size(); ++i) {
     const Match& match = sorted_[i];
@@ -168,16 +192,28 @@ void Ransac::pair_one_to_one(const Motion& reference_from_query, std::size_t ref
   });
 }
 
+/// m², a squared distance of float precision that no inlier's exceeds. Rounding moves a coordinate of the moved point
+/// by less than 6e-7 of the lengths that go into it.
+float Ransac::farthest_inlier(const Motion& reference_from_query) const {
+  const float lengths = scored_query_.farthest + std::abs(reference_from_query.x) + std::abs(reference_from_query.y);
+  const float distance = std::sqrt(limit_) + 2e-6F * (1.0F + lengths);
+  return distance * distance;
+}
+
 /// The inliers of a motion, and its residual in double precision.
 void Ransac::evaluate(const Pose2& reference_from_query, const KeypointColumns& reference, Support& support) {
-  const Motion motion = motion_of(reference_from_query);
+  const double cosine = std::cos(reference_from_query.theta);
+  const double sine = std::sin(reference_from_query.theta);
+  const Motion motion{static_cast<float>(cosine), static_cast<float>(sine), static_cast<float>(reference_from_query.x),
+                      static_cast<float>(reference_from_query.y)};
   support.reference_from_query = reference_from_query;
   support.inliers.clear();
   support.points.clear();
   if (params_.inlier_rule == InlierRule::nearest_point) {
-    nearest_points(motion, scored_query_, reference, nearest_);
+    nearest_points(motion, scored_query_, reference, nearest_, squared_);
+    const float farthest = farthest_inlier(motion);
     for (std::uint32_t i = 0; i < query_.size(); ++i) {
-      if (is_in_sight(query_, i)) { support.inliers.push_back({i, nearest_[i]}); }
+      if (squared_[i] < farthest) { support.inliers.push_back({i, nearest_[i]}); }
     }
   } else {
     pair_one_to_one(motion, reference.size());
@@ -188,8 +224,6 @@ void Ransac::evaluate(const Pose2& reference_from_query, const KeypointColumns& 
   }
 
   const double limit{limit_};
-  const double cosine = std::cos(reference_from_query.theta);
-  const double sine = std::sin(reference_from_query.theta);
   double gain = 0.0;
   std::erase_if(support.inliers, [&](const IndexPair& pair) {
     const PointPair points{point(query_, pair.query), point(reference, pair.reference)};

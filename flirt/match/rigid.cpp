@@ -46,7 +46,7 @@ Moments moments_of(std::span<const PointPair> pairs) {
 std::optional<Pose2> fit_rigid(std::span<const PointPair> pairs) {
   if (pairs.size() < 2) { return std::nullopt; }
   const Moments moments = moments_of(pairs);
-  const double length = std::hypot(moments.dot_sum, moments.cross_sum);
+  const double length = std::sqrt(moments.dot_sum * moments.dot_sum + moments.cross_sum * moments.cross_sum);
   constexpr double smallest_size = 1e-18;   // m²: points within a nanometre of each other have no direction
   constexpr double smallest_share = 1e-12;  // below it, rounding decides the rotation
   const double size = std::sqrt(moments.query_squares * moments.reference_squares);  // length ≤ size (Cauchy, Schwarz)

@@ -71,7 +71,7 @@ float truncated_cost(const Motion& motion, const ScoredPoints& query, const Keyp
 }
 
 void nearest_points(const Motion& motion, const ScoredPoints& query, const KeypointColumns& reference,
-                    std::uint32_t* nearest) {
+                    std::uint32_t* nearest, float* squared) {
   const Floats d;
   const hn::RebindToUnsigned<Floats> du;
   for (std::size_t first = 0; first < query.count; first += 16) {
@@ -86,13 +86,16 @@ void nearest_points(const Motion& motion, const ScoredPoints& query, const Keypo
       const auto x = hn::Set(d, reference.x[j]);
       const auto y = hn::Set(d, reference.y[j]);
       for (std::size_t part = 0; part < parts; ++part) {
-        const auto squared = squared_distance(moved, part, x, y);
-        const auto smaller = hn::Lt(squared, smallest[part]);
-        smallest[part] = hn::IfThenElse(smaller, squared, smallest[part]);
+        const auto distance = squared_distance(moved, part, x, y);
+        const auto smaller = hn::Lt(distance, smallest[part]);
+        smallest[part] = hn::IfThenElse(smaller, distance, smallest[part]);
         index[part] = hn::IfThenElse(hn::RebindMask(du, smaller), hn::Set(du, j), index[part]);
       }
     }
-    for (std::size_t part = 0; part < parts; ++part) { hn::StoreU(index[part], du, nearest + first + part * lanes); }
+    for (std::size_t part = 0; part < parts; ++part) {
+      hn::StoreU(index[part], du, nearest + first + part * lanes);
+      hn::StoreU(smallest[part], d, squared + first + part * lanes);
+    }
   }
 }
 
@@ -193,6 +196,7 @@ Pose2 pose_of(const Motion& motion) {
 
 void ScoredPoints::assign(const KeypointColumns& keypoints) {
   count = keypoints.size();
+  farthest = 0.0F;
   x.assign(padded(count), 0.0F);
   y.assign(padded(count), 0.0F);
   weight.assign(padded(count), 0.0F);
@@ -201,6 +205,7 @@ void ScoredPoints::assign(const KeypointColumns& keypoints) {
     x[i] = in_sight ? keypoints.x[i] : 0.1F * out_of_sight;  // elsewhere than such points of the reference
     y[i] = in_sight ? keypoints.y[i] : 0.0F;
     weight[i] = 1.0F;
+    if (in_sight) { farthest = std::max(farthest, std::abs(x[i]) + std::abs(y[i])); }
   }
 }
 
@@ -210,9 +215,9 @@ float truncated_cost(const Motion& reference_from_query, const ScoredPoints& que
 }
 
 void nearest_points(const Motion& reference_from_query, const ScoredPoints& query, const KeypointColumns& reference,
-                    std::span<std::uint32_t> nearest) {
-  FLIRT_ASSERT(nearest.size() >= padded(query.count));
-  HWY_DYNAMIC_DISPATCH(nearest_points)(reference_from_query, query, reference, nearest.data());
+                    std::span<std::uint32_t> nearest, std::span<float> squared) {
+  FLIRT_ASSERT(nearest.size() >= padded(query.count) && squared.size() >= padded(query.count));
+  HWY_DYNAMIC_DISPATCH(nearest_points)(reference_from_query, query, reference, nearest.data(), squared.data());
 }
 
 void CandidateColumns::resize(std::size_t candidates) {

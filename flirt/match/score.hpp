@@ -27,6 +27,7 @@ struct ScoredPoints {
   std::vector<float> y;       ///< m, query frame
   std::vector<float> weight;  ///< 1 for a point
   std::size_t count{0};
+  float farthest{0};  ///< m, no point in sight is farther from the sensor
 
   void assign(const KeypointColumns& keypoints);
 };
@@ -36,10 +37,10 @@ struct ScoredPoints {
 [[nodiscard]] float truncated_cost(const Motion& reference_from_query, const ScoredPoints& query,
                                    const KeypointColumns& reference, float limit, float give_up);
 
-/// For each query point the nearest reference point after the motion, of equal ones the first; `nearest` has room for
-/// the padded count.
+/// For each query point the nearest reference point after the motion, of equal ones the first, and its squared
+/// distance, m²; both have room for the padded count.
 void nearest_points(const Motion& reference_from_query, const ScoredPoints& query, const KeypointColumns& reference,
-                    std::span<std::uint32_t> nearest);
+                    std::span<std::uint32_t> nearest, std::span<float> squared);
 
 /// Candidate correspondences as columns, padded to groups of 16: both points and the turn of the keypoint's direction.
 struct CandidateColumns {

@@ -237,7 +237,7 @@ TEST(PaperEquations, HoldForTheCurvatureDetector) {
           mass += weight;
         }
         const double z = 2.0 * norm(points[i] - (1.0 / mass) * sum) / scale.t;
-        EXPECT_NEAR(scale.response[i], z * std::exp(-z), 1e-9);  // eq. 12
+        EXPECT_NEAR(scale.response[i], z * std::exp(-z), 5e-6);  // eq. 12; floats are summed
       }
     }
   }

@@ -32,8 +32,8 @@ std::vector<std::uint32_t> points_of(const std::vector<Candidate>& candidates) {
 
 std::vector<std::uint32_t> kept(const ScanCurve& curve, const SelectionParams& params,
                                 std::vector<Candidate> candidates) {
-  std::vector<std::uint32_t> order;
-  drop_duplicates(curve, params, order, candidates);
+  DuplicateWork work;
+  drop_duplicates(curve, params, work, candidates);
   return points_of(candidates);
 }
 

@@ -1,8 +1,11 @@
 #include "flirt/map/hypotheses.hpp"
 
+#include "flirt/core/rng.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 
 namespace flirt {
@@ -71,6 +74,47 @@ TEST(Hypotheses, PlacesComeInTheOrderOfTheirBestMatch) {
   ASSERT_EQ(places.size(), 2U);
   EXPECT_EQ(places[0].hypothesis, 0U);
   EXPECT_LT(places[0].weight, places[1].weight);
+}
+
+/// The definition, all hypotheses against all places.
+std::vector<Place> plain_places(const std::vector<Hypothesis>& sorted, double max_distance, double max_heading) {
+  std::vector<Place> places;
+  for (std::uint32_t i = 0; i < sorted.size(); ++i) {
+    auto place = std::ranges::find_if(places, [&](const Place& candidate) {
+      const Pose2& founder = sorted[candidate.hypothesis].map_from_sensor;
+      return distance(founder, sorted[i].map_from_sensor) <= max_distance &&
+             heading_difference(founder, sorted[i].map_from_sensor) <= max_heading;
+    });
+    if (place == places.end()) { place = places.insert(place, {.hypothesis = i}); }
+    place->support += 1;
+    place->inliers = std::max(place->inliers, sorted[i].inliers);
+    place->weight += sorted[i].weight;
+  }
+  return places;
+}
+
+TEST(Hypotheses, PlacesAreThoseOfAllAgainstAllBitByBit) {
+  Rng rng(1);
+  for (const double distance : {0.0, 0.1, 0.5, 3.0, 1000.0}) {
+    for (const double offset : {0.0, -1e6}) {
+      std::vector<Hypothesis> hypotheses;
+      for (std::uint32_t i = 0; i < 400; ++i) {  // multiples of 0.1: many lie at the distance itself, and on cell edges
+        const Pose2 pose{offset + 0.1 * rng.below(60), 0.1 * rng.below(60), rng.uniform(-3.14, 3.14)};
+        hypotheses.push_back(hypothesis(pose, 3 + rng.below(9), 0.001 * rng.uniform(), i));
+      }
+      sort_hypotheses(hypotheses, HypothesisOrder::residual);
+      set_weights(hypotheses);
+      const std::vector<Place> places = distinct_places(hypotheses, distance, 0.5);
+      const std::vector<Place> expected = plain_places(hypotheses, distance, 0.5);
+      ASSERT_EQ(places.size(), expected.size());
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        EXPECT_EQ(places[i].hypothesis, expected[i].hypothesis);
+        EXPECT_EQ(places[i].support, expected[i].support);
+        EXPECT_EQ(places[i].inliers, expected[i].inliers);
+        EXPECT_EQ(places[i].weight, expected[i].weight);
+      }
+    }
+  }
 }
 
 TEST(Hypotheses, TheScoreIsTheShareThatIsExplained) {

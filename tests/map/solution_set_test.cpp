@@ -12,6 +12,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <vector>
 
 namespace flirt {
 namespace {
@@ -152,6 +154,19 @@ TEST(SolutionSet, GivesTheSameOnAnyNumberOfThreads) {
   for (const std::size_t threads : {2U, 3U, 8U}) {
     SCOPED_TRACE(threads);
     expect_equal(SolutionSetFinder(room_map(), params, threads).find(extract(scan)), one);
+  }
+}
+
+TEST(SolutionSet, SketchesOfDescriptorsChangeNoBitOfIt) {
+  std::vector<std::uint32_t> all(room_map().size());
+  std::iota(all.begin(), all.end(), 0U);
+  SolutionSetFinder plain(room_map());  // only `find` makes sketches
+  SolutionSetFinder sketching(room_map());
+  for (const Pose2& pose : poses_around(0.9, 7)) {
+    const Features features = features_of_room(pose);
+    const SolutionSet expected = plain.find_among(features, all);
+    EXPECT_FALSE(expected.hypotheses.empty());
+    expect_equal(sketching.find(features), expected);
   }
 }
 

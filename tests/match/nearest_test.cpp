@@ -1,5 +1,7 @@
 #include "flirt/match/nearest.hpp"
 
+#include "flirt/match/sketch.hpp"
+
 #include "tests/match/random_features.hpp"
 
 #include <gtest/gtest.h>
@@ -58,6 +60,50 @@ TEST(NearestRows, EqualsBruteForceBitByBit) {
   }
 }
 
+/// `pruned` by sketches with axes made for the reference.
+std::vector<Nearest> pruned_by_sketches(const Descriptors& query, const Descriptors& reference, float limit) {
+  const SketchAxes axes = fit_sketch_axes(rows_of(reference));
+  const std::vector<std::int16_t> of_query = sketches_of(axes, rows_of(query));
+  const std::vector<std::int16_t> of_reference = sketches_of(axes, rows_of(reference));
+  DescriptorRows queries = rows_of(query);
+  DescriptorRows references = rows_of(reference);
+  queries.sketches = of_query.data();
+  references.sketches = of_reference.data();
+  NearestRows search;
+  search.set_query(queries);
+  const auto found = search.search(references, limit);
+  return {found.begin(), found.end()};
+}
+
+TEST(NearestRows, BySketchesEqualsBruteForceBitByBit) {
+  Rng rng(6);
+  for (const std::size_t dimension : {5U, 16U, 48U, 60U}) {
+    for (const std::size_t queries : {1U, 15U, 16U, 17U, 40U}) {
+      for (const std::size_t references : {1U, 4U, 5U, 27U, 100U}) {
+        const Descriptors query = test::random_descriptors(rng, queries, dimension);
+        const Descriptors reference = test::random_descriptors(rng, references, dimension);
+        for (const float limit : {0.05F, 0.2F, 0.4F, 1e9F}) {
+          EXPECT_EQ(pruned_by_sketches(query, reference, limit), brute_force(query, reference, limit));
+        }
+        EXPECT_EQ(pruned_by_sketches(reference, reference, 0.4F), brute_force(reference, reference, 0.4F));
+      }
+    }
+  }
+}
+
+TEST(NearestRows, WithoutSketchesOnBothSidesGoesByRoots) {
+  Rng rng(7);
+  const Descriptors query = test::random_descriptors(rng, 20, 48);
+  const Descriptors reference = test::random_descriptors(rng, 30, 48);
+  const std::vector<std::int16_t> of_query = sketches_of(fit_sketch_axes(rows_of(reference)), rows_of(query));
+  DescriptorRows queries = rows_of(query);
+  queries.sketches = of_query.data();
+  NearestRows search;
+  search.set_query(queries);
+  const auto found = search.search(rows_of(reference), 0.4F);
+  EXPECT_EQ(std::vector<Nearest>(found.begin(), found.end()), brute_force(query, reference, 0.4F));
+}
+
 TEST(NearestRows, OfEqualReferencesTakesTheFirst) {
   Rng rng(3);
   const Descriptors one = test::random_descriptors(rng, 1, 48);
@@ -67,6 +113,7 @@ TEST(NearestRows, OfEqualReferencesTakesTheFirst) {
     reference.roots.insert(reference.roots.end(), one.roots.begin(), one.roots.end());
   }
   EXPECT_EQ(pruned(one, reference, 0.4F), (std::vector<Nearest>{{3, 0.0F}}));
+  EXPECT_EQ(pruned_by_sketches(one, reference, 0.4F), (std::vector<Nearest>{{3, 0.0F}}));
 }
 
 TEST(NearestRows, FindsNothingInAnEmptyReferenceOrBeyondTheLimit) {

@@ -75,7 +75,8 @@ TEST(NearestPoints, AgreesWithPlainLoopsAndTakesTheFirstOfEqualOnes) {
   ScoredPoints points;
   points.assign(query.columns());
   std::vector<std::uint32_t> nearest(48);
-  nearest_points({}, points, reference.columns(), nearest);
+  std::vector<float> distances(48);
+  nearest_points({}, points, reference.columns(), nearest, distances);
   for (std::size_t i = 0; i < 37; ++i) {
     std::uint32_t expected = 0;
     const auto squared = [&](std::size_t j) {
@@ -86,6 +87,7 @@ TEST(NearestPoints, AgreesWithPlainLoopsAndTakesTheFirstOfEqualOnes) {
     }
     EXPECT_EQ(nearest[i], expected);
     EXPECT_LT(nearest[i], 20U);
+    EXPECT_FLOAT_EQ(distances[i], squared(expected));
   }
 }
 

@@ -1,0 +1,113 @@
+// flirt/match/products-inl.hpp: dot products of descriptors with those of 16 queries at a time, which bound χ² from
+// below. Included once per instruction set by nearest.cpp.
+#if defined(FLIRT_MATCH_PRODUCTS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef FLIRT_MATCH_PRODUCTS_INL
+#undef FLIRT_MATCH_PRODUCTS_INL
+#else
+#define FLIRT_MATCH_PRODUCTS_INL
+#endif
+
+#include "flirt/match/distance.hpp"
+#include "flirt/match/lanes-inl.hpp"
+#include "flirt/match/sketch.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+
+HWY_BEFORE_NAMESPACE();
+namespace flirt::HWY_NAMESPACE {
+namespace {
+
+using Integers = hn::RebindToSigned<Floats>;
+
+/// Dot products of the roots: χ² ≥ 1 − product − slack.
+struct RootProducts {
+  using Element = float;
+  using Product = float;
+
+  /// Rows nearer than `distance` have a larger product than this; covers the rounding of a dot product of normalised
+  /// rows, and of their normalisation, with room to spare.
+  static Product least_product(float distance) { return 1.0F - distance - 1e-5F; }
+  static const Element* rows(const DescriptorRows& table) { return table.roots; }
+  static std::size_t stride(const DescriptorRows& table) { return table.stride; }
+
+  template <std::size_t Rows>
+  static HWY_INLINE void multiply(const Element* columns, const Element* rows, std::size_t stride,
+                                  FloatVector (&sum)[Rows][parts]) {
+    const Floats d;
+    for (auto& row : sum) {
+      for (auto& part : row) { part = hn::Zero(d); }
+    }
+    for (std::size_t k = 0; k < stride; ++k) {
+      FloatVector column[parts];
+      for (std::size_t part = 0; part < parts; ++part) { column[part] = hn::LoadU(d, columns + k * 16 + part * lanes); }
+      for (std::size_t r = 0; r < Rows; ++r) {
+        const auto root = hn::Set(d, rows[r * stride + k]);
+        for (std::size_t part = 0; part < parts; ++part) {
+          sum[r][part] = hn::MulAdd(column[part], root, sum[r][part]);
+        }
+      }
+    }
+  }
+};
+
+/// Dot products of the sketches, in integers.
+struct SketchProducts {
+  using Element = std::int16_t;
+  using Product = std::int32_t;
+
+  static Product least_product(float distance) {
+    const float at_most = std::min(distance, 2.0F);  // χ² never exceeds 1, a limit may
+    return static_cast<Product>((1.0F - at_most - sketch_slack) * (sketch_scale * sketch_scale));
+  }
+  static const Element* rows(const DescriptorRows& table) { return table.sketches; }
+  static std::size_t stride(const DescriptorRows& /*table*/) { return sketch_size; }
+
+  template <std::size_t Rows>
+  static HWY_INLINE void multiply(const Element* columns, const Element* rows, std::size_t stride,
+                                  hn::Vec<Integers> (&sum)[Rows][parts]) {
+    const Integers d;
+#if HWY_TARGET == HWY_SCALAR
+    for (std::size_t r = 0; r < Rows; ++r) {
+      for (std::size_t part = 0; part < parts; ++part) {
+        Product product = 0;
+        for (std::size_t k = 0; k < stride; ++k) {
+          product += Product{columns[k / 2 * 32 + part * 2 + k % 2]} * rows[r * stride + k];
+        }
+        sum[r][part] = hn::Set(d, product);
+      }
+    }
+#else
+    const hn::Repartition<std::int16_t, Integers> pairs;
+    hn::Vec<Integers> upper[Rows][parts];  // some instruction sets sum into two halves
+    for (std::size_t r = 0; r < Rows; ++r) {
+      for (std::size_t part = 0; part < parts; ++part) { sum[r][part] = upper[r][part] = hn::Zero(d); }
+    }
+    for (std::size_t k = 0; k < stride; k += 2) {
+      hn::Vec<decltype(pairs)> column[parts];
+      for (std::size_t part = 0; part < parts; ++part) {
+        column[part] = hn::LoadU(pairs, columns + k * 16 + part * 2 * lanes);
+      }
+      for (std::size_t r = 0; r < Rows; ++r) {
+        std::int32_t two = 0;
+        std::memcpy(&two, rows + r * stride + k, sizeof two);
+        const auto both = hn::BitCast(pairs, hn::Set(d, two));
+        for (std::size_t part = 0; part < parts; ++part) {
+          sum[r][part] = hn::ReorderWidenMulAccumulate(d, column[part], both, sum[r][part], upper[r][part]);
+        }
+      }
+    }
+    for (std::size_t r = 0; r < Rows; ++r) {
+      for (std::size_t part = 0; part < parts; ++part) {
+        sum[r][part] = hn::RearrangeToOddPlusEven(sum[r][part], upper[r][part]);
+      }
+    }
+#endif
+  }
+};
+
+}  // namespace
+}  // namespace flirt::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
