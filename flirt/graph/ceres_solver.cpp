@@ -77,6 +77,7 @@ ceres::Solver::Options solver_options(std::uint32_t iterations) {
   options.num_threads = 1;
   options.max_num_iterations = static_cast<int>(iterations);
   options.function_tolerance = 1e-9;
+  options.initial_trust_region_radius = 1e10;
   options.logging_type = ceres::SILENT;
   return options;
 }

@@ -41,6 +41,16 @@ struct Slam::State {
     return kept;
   }
 
+  /// Of all scans, denser than for finding motions.
+  [[nodiscard]] std::vector<SurfacePoints> fine_points() const {
+    SurfacePointParams fine = params.points;
+    fine.spacing = params.polish_spacing;
+    std::vector<SurfacePoints> points;
+    points.reserve(scans.size());
+    for (const SlamScan& scan : scans) { points.push_back(surface_points(scan.scan, fine)); }
+    return points;
+  }
+
   void add_node(const ScanMotion& motion) {
     const auto node = static_cast<std::uint32_t>(graph.map_from_node.size());
     if (motion.relative.empty()) {
@@ -196,9 +206,10 @@ void Slam::finish() {
   }
   if (!polished_at_end) { return; }
   const auto begin = Clock::now();
-  PolishSummary polished = polish(s.graph, s.scans, s.params);
+  const std::vector<SurfacePoints> points = s.fine_points();
+  PolishSummary polished = polish(s.graph, points, s.params);
   s.summary.repaired = s.params.polish_rounds == 0 ? 0 : repair(s.graph, s.scans, s.suspects(polished.fit), s.params);
-  if (s.summary.repaired > 0) { polished = polish(s.graph, s.scans, s.params); }
+  if (s.summary.repaired > 0) { polished = polish(s.graph, points, s.params); }
   s.summary.pairs = polished.pairs;
   s.summary.pair_residual = polished.residual;
   s.summary.seconds.polish += seconds_since(begin);
