@@ -71,7 +71,8 @@ PolishSummary polish(PoseGraph& graph, std::span<const SurfacePoints> scans, con
     PoseGraph joint = graph;
     for (PoseEdge& edge : joint.edges) { edge.information *= params.polish_keep; }
     summary = add_pair_edges(joint, pairs, scans, round == 0 ? first_width : last_width, params.range_sigma);
-    static_cast<void>(optimize(joint, {.iterations = 1}));  // the terms hold no longer once the poses moved
+    static_cast<void>(
+        optimize(joint, {.iterations = 1, .trust_radius = undamped}));  // the terms hold no longer once the poses moved
     graph.map_from_node = joint.map_from_node;
   }
   return summary;

@@ -125,7 +125,8 @@ struct Slam::State {
       static_cast<void>(optimize_tail(graph, first_free, {.backend = Backend::toro, .iterations = 30}));
       iterations = std::max(iterations, 20U);
     }
-    static_cast<void>(optimize_tail(graph, first_free, {.backend = params.backend, .iterations = iterations}));
+    static_cast<void>(optimize_tail(graph, first_free,
+                                    {.backend = params.backend, .iterations = iterations, .trust_radius = undamped}));
     pending = 0;
     steps_waited = 0;
     pending_translation = 0;
