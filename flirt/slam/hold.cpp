@@ -1,11 +1,59 @@
 #include "flirt/slam/hold.hpp"
 
+#include "flirt/slam/slam_scan.hpp"
+
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
 
 namespace flirt {
+namespace {
+
+/// A point with no surface fitted to it that lies in line with its neighbours: a wall at a grazing angle, where it is
+/// hit depends on where the robot stands.
+bool grazes(const SurfacePoints& points, std::size_t i) {
+  constexpr double cos_in_line = 0.985;  // 10°
+  if (points.normal_x[i] != 0 || points.normal_y[i] != 0) { return false; }
+  if (i == 0 || i + 1 == points.size()) { return true; }
+  const auto at = [&](std::size_t k) { return Point2{points.x[k], points.y[k]}; };
+  const Point2 before = at(i) - at(i - 1);
+  const Point2 after = at(i + 1) - at(i);
+  return dot(before, after) > cos_in_line * norm(before) * norm(after);
+}
+
+SurfacePoints without_grazed(const SurfacePoints& points) {
+  SurfacePoints kept;
+  kept.origin = points.origin;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (grazes(points, i)) { continue; }
+    kept.x.push_back(points.x[i]);
+    kept.y.push_back(points.y[i]);
+    kept.normal_x.push_back(points.normal_x[i]);
+    kept.normal_y.push_back(points.normal_y[i]);
+  }
+  return kept;
+}
+
+/// Whether the pose agrees clearly better with the map than poses to both sides of it: what few surfaces hold it then
+/// do so for sure (the end of a long corridor).
+bool stands_out(const LocalMap& map, const SurfacePoints& points, const Pose2& map_from_robot,
+                Point2 direction_in_robot, double drop) {
+  constexpr double aside = 0.3;  // m
+  const SurfacePoints telling = without_grazed(points);
+  const std::span<const SurfacePoints> scan(&telling, 1);
+  const double here = score_of(map.agreement(scan, map_from_robot));
+  for (const double step : {-aside, aside}) {
+    const Pose2 there = map_from_robot * Pose2{step * direction_in_robot.x, step * direction_in_robot.y, 0};
+    if (here - score_of(map.agreement(scan, there)) < drop) { return false; }
+  }
+  return true;
+}
+
+}  // namespace
 
 Hold hold_of(const SurfacePoints& points) {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
@@ -26,6 +74,12 @@ Hold hold_of(const SurfacePoints& points) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(translation);
   const Eigen::Vector2d direction = solver.eigenvectors().col(0);
   return {solver.eigenvalues().x() / surfaces, {direction.x(), direction.y()}};
+}
+
+bool holds(const Hold& hold, const LocalMap& map, const SurfacePoints& points, const Pose2& map_from_robot,
+           const SlamParams& params) {
+  return hold.weakest >= params.unobservable_share ||
+         stands_out(map, points, map_from_robot, hold.direction, params.unobservable_drop);
 }
 
 }  // namespace flirt

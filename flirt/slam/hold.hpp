@@ -2,7 +2,9 @@
 #pragma once
 
 #include "flirt/core/pose2.hpp"
+#include "flirt/registration/local_map.hpp"
 #include "flirt/registration/surface_points.hpp"
+#include "flirt/slam/slam_params.hpp"
 
 namespace flirt {
 
@@ -13,5 +15,10 @@ struct Hold {
 
 /// By the points' own normals alone: lone points far down a corridor agree with the map wherever they are. O(points).
 [[nodiscard]] Hold hold_of(const SurfacePoints& points);
+
+/// Whether a scan is held at its pose in a map: by its surfaces, or because no pose aside along the weakest direction
+/// agrees nearly as well. `hold` is that of the points.
+[[nodiscard]] bool holds(const Hold& hold, const LocalMap& map, const SurfacePoints& points,
+                         const Pose2& map_from_robot, const SlamParams& params);
 
 }  // namespace flirt

@@ -50,8 +50,6 @@ class ScanFrontEnd {
   void remember(const SlamScan& scan, const Pose2& local_from_robot);
   void restart(const SlamScan& scan, const Pose2& local_from_robot);
   void add_to_map(const SlamScan& scan, const Pose2& local_from_robot);
-  [[nodiscard]] bool stands_out(const SurfacePoints& points, const Pose2& local_from_robot,
-                                Point2 direction_in_robot) const;
   static void keep_prediction(Judged& found, const Pose2& prediction, Point2 direction_in_robot);
   void add_relative(ScanMotion& motion, const Judged& found) const;
 
@@ -65,7 +63,8 @@ class ScanFrontEnd {
   std::optional<Pose2> last_odometry_{};
   Pose2 last_motion_{};
   double travel_{0};
-  std::uint32_t blind_{0};  ///< scans in a row that were not believed
+  std::uint32_t blind_{0};          ///< scans in a row that were not believed
+  std::uint32_t seen_in_a_row_{0};  ///< motions up to the last that could be seen
 };
 
 }  // namespace flirt
