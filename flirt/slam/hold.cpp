@@ -53,31 +53,79 @@ bool stands_out(const LocalMap& map, const SurfacePoints& points, const Pose2& m
   return true;
 }
 
-}  // namespace
+/// Σ JᵀJ of distances from surfaces over a motion of the robot in its own frame.
+struct Information {
+  Eigen::Matrix3d sum{Eigen::Matrix3d::Zero()};
+  int surfaces{0};
 
-Hold hold_of(const SurfacePoints& points) {
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  int surfaces = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (points.normal_x[i] == 0 && points.normal_y[i] == 0) { continue; }
+  void add(const SurfacePoints& points, std::size_t i) {
     const double nx = points.normal_x[i];
     const double ny = points.normal_y[i];
     const Eigen::Vector3d jacobian(nx, ny, points.x[i] * ny - points.y[i] * nx);
-    information += jacobian * jacobian.transpose();
+    sum += jacobian * jacobian.transpose();
     ++surfaces;
   }
-  if (surfaces == 0) { return {}; }
-  const double heading = std::max(information(2, 2), 1e-9);
-  const Eigen::Matrix2d translation = information.topLeftCorner<2, 2>() - information.topRightCorner<2, 1>() *
-                                                                              information.bottomLeftCorner<1, 2>() /
-                                                                              heading;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(translation);
-  const Eigen::Vector2d direction = solver.eigenvectors().col(0);
-  return {solver.eigenvalues().x() / surfaces, {direction.x(), direction.y()}};
+  [[nodiscard]] double along(Point2 direction) const {
+    const Eigen::Vector2d d(direction.x, direction.y);
+    return d.dot(sum.topLeftCorner<2, 2>() * d);
+  }
+  [[nodiscard]] Hold weakest() const {
+    if (surfaces == 0) { return {}; }
+    const double heading = std::max(sum(2, 2), 1e-9);
+    const Eigen::Matrix2d translation =
+        sum.topLeftCorner<2, 2>() - sum.topRightCorner<2, 1>() * sum.bottomLeftCorner<1, 2>() / heading;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(translation);
+    const Eigen::Vector2d direction = solver.eigenvectors().col(0);
+    return {solver.eigenvalues().x() / surfaces, {direction.x(), direction.y()}};
+  }
+};
+
+bool has_surface(const SurfacePoints& points, std::size_t i) {
+  return points.normal_x[i] != 0 || points.normal_y[i] != 0;
+}
+
+/// Whether a point lies on a surface of the map that faces its way.
+bool agrees(const LocalMap& map, Point2 in_map, Point2 normal) {
+  constexpr double near = 0.1;      // m
+  constexpr double same_way = 0.7;  // cosine, 45°
+  const LinePiece* line = map.line_at(in_map);
+  if (line == nullptr) { return false; }
+  const Point2 line_normal{line->normal_x, line->normal_y};
+  return std::abs(dot(line_normal, in_map - Point2{line->x, line->y})) < near &&
+         std::abs(dot(line_normal, normal)) > same_way;
+}
+
+}  // namespace
+
+Hold hold_of(const SurfacePoints& points) {
+  Information information;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (has_surface(points, i)) { information.add(points, i); }
+  }
+  return information.weakest();
+}
+
+Hold hold_of(const SurfacePoints& points, const LocalMap& map, const Pose2& map_from_robot) {
+  const Pose2 turn{0, 0, map_from_robot.theta};
+  Information agreeing;
+  Information contradicting;
+  Information standing;  // agreeing, or not seen before
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!has_surface(points, i)) { continue; }
+    const Point2 in_map = map_from_robot * Point2{points.x[i], points.y[i]};
+    const bool is_known = agrees(map, in_map, turn * Point2{points.normal_x[i], points.normal_y[i]});
+    const bool is_in_free = map.line_at(in_map) == nullptr && map.is_free(in_map);
+    if (is_known) { agreeing.add(points, i); }
+    (is_in_free ? contradicting : standing).add(points, i);
+  }
+  Hold hold = standing.weakest();
+  hold.doubted = contradicting.along(hold.direction) > agreeing.along(hold.direction);
+  return hold;
 }
 
 bool holds(const Hold& hold, const LocalMap& map, const SurfacePoints& points, const Pose2& map_from_robot,
            const SlamParams& params) {
+  if (hold.doubted) { return false; }
   return hold.weakest >= params.unobservable_share ||
          stands_out(map, points, map_from_robot, hold.direction, params.unobservable_drop);
 }

@@ -205,7 +205,7 @@ ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
       motion.source = source;
     }
   }
-  const Hold hold = hold_of(scan.points);
+  const Hold hold = hold_of(scan.points, map_, found.local_from_robot);
   motion.unobservable =
       motion.source == MotionSource::prediction || !holds(hold, map_, scan.points, found.local_from_robot, params_);
   if (motion.unobservable) { keep_prediction(found, prediction, hold.direction); }
