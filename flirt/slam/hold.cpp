@@ -85,7 +85,7 @@ bool has_surface(const SurfacePoints& points, std::size_t i) {
 }
 
 /// Whether a point lies on a surface of the map that faces its way.
-bool agrees(const LocalMap& map, Point2 in_map, Point2 normal) {
+bool lies_on_surface(const LocalMap& map, Point2 in_map, Point2 normal) {
   constexpr double near = 0.1;      // m
   constexpr double same_way = 0.7;  // cosine, 45°
   const LinePiece* line = map.line_at(in_map);
@@ -109,14 +109,16 @@ Hold hold_of(const SurfacePoints& points, const LocalMap& map, const Pose2& map_
   const Pose2 turn{0, 0, map_from_robot.theta};
   Information agreeing;
   Information contradicting;
-  Information standing;  // agreeing, or not seen before
+  Information standing;  // all that does not contradict
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!has_surface(points, i)) { continue; }
     const Point2 in_map = map_from_robot * Point2{points.x[i], points.y[i]};
-    const bool is_known = agrees(map, in_map, turn * Point2{points.normal_x[i], points.normal_y[i]});
-    const bool is_in_free = map.line_at(in_map) == nullptr && map.is_free(in_map);
-    if (is_known) { agreeing.add(points, i); }
-    (is_in_free ? contradicting : standing).add(points, i);
+    const bool is_free = map.is_free(in_map);  // also where somebody stood for a moment
+    const bool is_in_the_open = is_free && map.line_at(in_map) == nullptr;
+    if (!is_free && lies_on_surface(map, in_map, turn * Point2{points.normal_x[i], points.normal_y[i]})) {
+      agreeing.add(points, i);
+    }
+    (is_in_the_open ? contradicting : standing).add(points, i);
   }
   Hold hold = standing.weakest();
   hold.doubted = contradicting.along(hold.direction) > agreeing.along(hold.direction);

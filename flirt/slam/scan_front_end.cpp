@@ -1,7 +1,6 @@
 #include "flirt/slam/scan_front_end.hpp"
 
 #include "flirt/registration/window_search.hpp"
-#include "flirt/slam/hold.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -175,15 +174,17 @@ void ScanFrontEnd::add_relative(ScanMotion& motion, const Judged& found) const {
   }
 }
 
-/// Along a direction of which the scan says nothing the prediction stands, and nothing counts as measured.
-void ScanFrontEnd::keep_prediction(Judged& found, const Pose2& prediction, Point2 direction_in_robot) {
-  const Point2 direction = Pose2{0, 0, found.local_from_robot.theta} * direction_in_robot;
+/// Along a direction of which the scan says nothing the prediction stands, and nothing counts as measured. Nothing
+/// does, either, where what the scan says is in doubt; but then the prediction is no better.
+void ScanFrontEnd::give_up_direction(Judged& found, const Pose2& prediction, const Hold& hold) {
+  const Eigen::Vector3d d(hold.direction.x, hold.direction.y, 0);
+  const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - d * d.transpose();
+  found.terms.information = rest * found.terms.information * rest;
+  if (hold.doubted) { return; }
+  const Point2 direction = Pose2{0, 0, found.local_from_robot.theta} * hold.direction;
   const double off = dot(direction, prediction.translation() - found.local_from_robot.translation());
   found.local_from_robot.x += off * direction.x;
   found.local_from_robot.y += off * direction.y;
-  const Eigen::Vector3d d(direction_in_robot.x, direction_in_robot.y, 0);
-  const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - d * d.transpose();
-  found.terms.information = rest * found.terms.information * rest;
 }
 
 ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
@@ -208,7 +209,7 @@ ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
   const Hold hold = hold_of(scan.points, map_, found.local_from_robot);
   motion.unobservable =
       motion.source == MotionSource::prediction || !holds(hold, map_, scan.points, found.local_from_robot, params_);
-  if (motion.unobservable) { keep_prediction(found, prediction, hold.direction); }
+  if (motion.unobservable) { give_up_direction(found, prediction, hold); }
   seen_in_a_row_ = motion.unobservable ? 0 : seen_in_a_row_ + 1;
   add_relative(motion, found);
   remember(scan, found.local_from_robot);

@@ -6,6 +6,7 @@
 #include "flirt/registration/local_map.hpp"
 #include "flirt/registration/surface_alignment.hpp"
 #include "flirt/slam/front_end.hpp"
+#include "flirt/slam/hold.hpp"
 #include "flirt/slam/slam_params.hpp"
 #include "flirt/slam/slam_scan.hpp"
 
@@ -50,7 +51,7 @@ class ScanFrontEnd {
   void remember(const SlamScan& scan, const Pose2& local_from_robot);
   void restart(const SlamScan& scan, const Pose2& local_from_robot);
   void add_to_map(const SlamScan& scan, const Pose2& local_from_robot);
-  static void keep_prediction(Judged& found, const Pose2& prediction, Point2 direction_in_robot);
+  static void give_up_direction(Judged& found, const Pose2& prediction, const Hold& hold);
   void add_relative(ScanMotion& motion, const Judged& found) const;
 
   SlamParams params_;
