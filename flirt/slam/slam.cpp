@@ -210,7 +210,11 @@ void Slam::finish() {
   const std::vector<SurfacePoints> points = s.fine_points();
   PolishSummary polished = polish(s.graph, points, s.params);
   s.summary.repaired = s.params.polish_rounds == 0 ? 0 : repair(s.graph, s.scans, s.suspects(polished.fit), s.params);
-  if (s.summary.repaired > 0) { polished = polish(s.graph, points, s.params); }
+  if (s.summary.repaired > 0) {
+    SlamParams again = s.params;
+    again.polish_rounds = std::min(again.polish_rounds, 2U);  // only few scans have yet to settle
+    polished = polish(s.graph, points, again);
+  }
   s.summary.pairs = polished.pairs;
   s.summary.pair_residual = polished.residual;
   s.summary.seconds.polish += seconds_since(begin);
