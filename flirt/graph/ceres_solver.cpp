@@ -70,13 +70,14 @@ ceres::Problem::Options ours_to_keep() {
   return options;
 }
 
-ceres::Solver::Options solver_options(std::uint32_t iterations) {
+ceres::Solver::Options solver_options(std::uint32_t iterations, double trust_radius) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // no BLAS, whose threads could change the sums
   options.num_threads = 1;
   options.max_num_iterations = static_cast<int>(iterations);
   options.function_tolerance = 1e-9;
+  options.initial_trust_region_radius = trust_radius;
   options.logging_type = ceres::SILENT;
   return options;
 }
@@ -113,7 +114,7 @@ CeresSolver::CeresSolver(PoseGraph& graph, std::uint32_t fixed_node, RobustLoss 
 
 CeresSolver::~CeresSolver() = default;
 
-CeresSolver::Outcome CeresSolver::solve(std::span<const double> weight, std::uint32_t iterations) {
+CeresSolver::Outcome CeresSolver::solve(std::span<const double> weight, std::uint32_t iterations, double trust_radius) {
   Problem& p = *problem_;
   FLIRT_ASSERT(weight.size() == p.losses.size());
   for (std::size_t k = 0; k < p.losses.size(); ++k) { p.losses[k].set_weight(weight[k]); }
@@ -122,7 +123,7 @@ CeresSolver::Outcome CeresSolver::solve(std::span<const double> weight, std::uin
     p.poses[i] = {pose.x, pose.y, pose.theta};
   }
   ceres::Solver::Summary summary;
-  ceres::Solve(solver_options(iterations), &p.problem, &summary);
+  ceres::Solve(solver_options(iterations, trust_radius), &p.problem, &summary);
   for (std::size_t i = 0; i < p.poses.size(); ++i) {
     const auto& [x, y, theta] = p.poses[i];
     p.graph.map_from_node[i] = {x, y, wrap_angle(theta)};

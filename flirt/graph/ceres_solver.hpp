@@ -27,8 +27,8 @@ class CeresSolver {
     std::uint32_t iterations{0};
     bool converged{false};
   };
-  /// Moves the graph's poses. `weight` is one factor per edge.
-  Outcome solve(std::span<const double> weight, std::uint32_t iterations);
+  /// Moves the graph's poses. `weight` is one factor per edge, `trust_radius` as in OptimizeParams.
+  Outcome solve(std::span<const double> weight, std::uint32_t iterations, double trust_radius);
 
  private:
   struct Problem;

@@ -69,11 +69,12 @@ Outcome by_ceres(PoseGraph& graph, const OptimizeParams& params) {
   if (params.graduated != Graduated::off) {
     CeresSolver solver(graph, params.fixed_node, RobustLoss::none, params.loss_width);
     return graduated(graph, params, [&](const std::vector<double>& weight, std::uint32_t iterations) {
-      return solver.solve(weight, iterations);
+      return solver.solve(weight, iterations, params.trust_radius);
     });
   }
   CeresSolver solver(graph, params.fixed_node, params.loss, params.loss_width);
-  const auto [iterations, converged] = solver.solve(std::vector(graph.edges.size(), 1.0), params.iterations);
+  const auto [iterations, converged] =
+      solver.solve(std::vector(graph.edges.size(), 1.0), params.iterations, params.trust_radius);
   return {iterations, converged, robust_weights(graph, params)};
 }
 

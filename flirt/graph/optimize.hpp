@@ -47,7 +47,12 @@ struct OptimizeParams {
   double loss_width{3.37};              ///< Mahalanobis distance where the loss bends: √χ²₃ at 0.99
   Graduated graduated{Graduated::off};  ///< weights of loop edges by graduated non-convexity
   std::uint32_t fixed_node{0};          ///< keeps its pose; other parts of the graph keep their first node's
+  /// Of ceres' first step: the normal equations' diagonal grows by its inverse. A small one goes carefully where the
+  /// start is bad. But a long chain's weakest bend is so weak that this holds it: from near the minimum, give
+  /// `undamped`.
+  double trust_radius{1e4};
 };
+constexpr double undamped = 1e10;  ///< a trust radius; steps are those of Gauss and Newton while they help
 
 template <class Params, class Visitor>
   requires std::same_as<std::remove_const_t<Params>, OptimizeParams>
@@ -58,6 +63,7 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.loss_width, Field{"loss_width", "1", "Mahalanobis distance where the loss bends", 1e-3, 1e6});
   visit(params.graduated, Field{"graduated", "", "graduated non-convexity on loop edges"});
   visit(params.fixed_node, Field{"fixed_node", "", "keeps its pose"});
+  visit(params.trust_radius, Field{"trust_radius", "1", "of the first step of ceres; large: Gauss-Newton", 1e-3, 1e15});
 }
 
 struct OptimizeSummary {

@@ -213,6 +213,10 @@ int LocalMap::crossing_beams(const SurfacePoints& points, const Pose2& map_from_
   return crossing;
 }
 
+bool LocalMap::is_free(Point2 in_map) const {
+  return passes_[cell_of(in_map, pass_cell_size)].free();
+}
+
 Agreed LocalMap::agreement(std::span<const SurfacePoints> scans, const Pose2& map_from_robot) const {
   constexpr double sigma = 0.1;  // m
   const Mover to_map(map_from_robot);

@@ -76,6 +76,8 @@ class LocalMap {
   /// The line through the end points in the 3 × 3 cells around a place; null where there are none. Valid until the map
   /// changes.
   [[nodiscard]] const LinePiece* line_at(Point2 in_map) const;
+  /// Whether beams passed a place and hardly any ended there.
+  [[nodiscard]] bool is_free(Point2 in_map) const;
   /// Of one scan, or of several that are moved together, all in the frame of one robot. O(points · cells a beam
   /// passes).
   [[nodiscard]] Agreed agreement(std::span<const SurfacePoints> scans, const Pose2& map_from_robot) const;

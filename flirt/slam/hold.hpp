@@ -2,16 +2,27 @@
 #pragma once
 
 #include "flirt/core/pose2.hpp"
+#include "flirt/registration/local_map.hpp"
 #include "flirt/registration/surface_points.hpp"
+#include "flirt/slam/slam_params.hpp"
 
 namespace flirt {
 
 struct Hold {
   double weakest{0};       ///< least information about a direction of translation, heading being free, a point; 0..1
   Point2 direction{1, 0};  ///< that direction, frame of the robot
+  bool doubted{false};     ///< more of what tells about that direction contradicts the map than agrees with it
 };
 
 /// By the points' own normals alone: lone points far down a corridor agree with the map wherever they are. O(points).
 [[nodiscard]] Hold hold_of(const SurfacePoints& points);
+
+/// Without the surfaces that stand where beams passed before: people walk about.
+[[nodiscard]] Hold hold_of(const SurfacePoints& points, const LocalMap& map, const Pose2& map_from_robot);
+
+/// Whether a scan is held at its pose in a map: by its surfaces, or because no pose aside along the weakest direction
+/// agrees nearly as well. `hold` is that of the points.
+[[nodiscard]] bool holds(const Hold& hold, const LocalMap& map, const SurfacePoints& points,
+                         const Pose2& map_from_robot, const SlamParams& params);
 
 }  // namespace flirt

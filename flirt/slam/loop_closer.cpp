@@ -34,7 +34,7 @@ std::vector<SurfacePoints> LoopCloser::query_scans(std::span<const SlamScan> sca
   constexpr std::size_t stride = 2;
   const std::size_t newest = scans.size() - 1;
   std::size_t oldest = newest;
-  while (oldest > 0 && travel_[newest] - travel_[oldest - 1] <= params_.loop_query_travel) { --oldest; }
+  while (oldest > last_unseen_ && travel_[newest] - travel_[oldest - 1] <= params_.loop_query_travel) { --oldest; }
   const std::size_t count = std::min<std::size_t>(params_.loop_query_scans, newest - oldest + 1);
   std::vector<SurfacePoints> query;
   for (std::size_t k = 0; k < count; ++k) {
@@ -241,7 +241,10 @@ void LoopCloser::measure_way(const PoseGraph& graph) {
     if (edge->a + 1 != node) { continue; }
     const Eigen::Matrix2d covariance = edge->information.inverse().topLeftCorner<2, 2>();
     const double variance = covariance.trace();  // of one direction, where only that was not seen
-    if (variance > seen_well * seen_well) { unseen_ += variance; }
+    if (variance > seen_well * seen_well) {
+      unseen_ += variance;
+      last_unseen_ = node;
+    }
     break;
   }
 }

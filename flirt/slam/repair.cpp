@@ -3,6 +3,7 @@
 #include "flirt/registration/local_map.hpp"
 #include "flirt/registration/surface_alignment.hpp"
 #include "flirt/registration/window_search.hpp"
+#include "flirt/slam/hold.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -105,6 +106,9 @@ std::size_t repair(PoseGraph& graph, std::span<const SlamScan> scans, std::span<
     const LocalMap& map = rolling.of(near, scans, graph.map_from_node);
     const auto better = better_pose(map, scans[node].points, graph.map_from_node[node], params);
     if (!better) { continue; }
+    // In a bare corridor another place along it may look better by chance.
+    const SurfacePoints& points = scans[node].points;
+    if (!holds(hold_of(points, map, better->map_from_robot), map, points, better->map_from_robot, params)) { continue; }
     replace_edges(graph, node, std::span(near).first(edges), *better, params);
     graph.map_from_node[node] = better->map_from_robot;
     ++moved;

@@ -1,7 +1,6 @@
 #include "flirt/slam/scan_front_end.hpp"
 
 #include "flirt/registration/window_search.hpp"
-#include "flirt/slam/hold.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,31 +16,6 @@ constexpr std::uint32_t most_blind = 3;    // scans in a row without a believabl
 /// Metres plus half a metre a radian: turning shows new things, too.
 double way(const Pose2& motion) {
   return norm(motion.translation()) + 0.5 * std::abs(motion.theta);
-}
-
-/// A point with no surface fitted to it that lies in line with its neighbours: a wall at a grazing angle, where it is
-/// hit depends on where the robot stands.
-bool grazes(const SurfacePoints& points, std::size_t i) {
-  constexpr double cos_in_line = 0.985;  // 10°
-  if (points.normal_x[i] != 0 || points.normal_y[i] != 0) { return false; }
-  if (i == 0 || i + 1 == points.size()) { return true; }
-  const auto at = [&](std::size_t k) { return Point2{points.x[k], points.y[k]}; };
-  const Point2 before = at(i) - at(i - 1);
-  const Point2 after = at(i + 1) - at(i);
-  return dot(before, after) > cos_in_line * norm(before) * norm(after);
-}
-
-SurfacePoints without_grazed(const SurfacePoints& points) {
-  SurfacePoints kept;
-  kept.origin = points.origin;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (grazes(points, i)) { continue; }
-    kept.x.push_back(points.x[i]);
-    kept.y.push_back(points.y[i]);
-    kept.normal_x.push_back(points.normal_x[i]);
-    kept.normal_y.push_back(points.normal_y[i]);
-  }
-  return kept;
 }
 
 }  // namespace
@@ -193,36 +167,24 @@ void ScanFrontEnd::add_relative(ScanMotion& motion, const Judged& found) const {
   const Eigen::Matrix3d least = floor.cwiseProduct(floor).cwiseInverse().asDiagonal();
   const Eigen::Matrix3d information = edge_information(found.terms.information, params_.range_sigma, least);
   for (const std::uint32_t back : {1U, 3U}) {
-    if (recent_.size() < back) { break; }
+    // Across a motion that was not seen a longer edge would claim to know it.
+    if (recent_.size() < back || (back > 1 && seen_in_a_row_ < back)) { break; }
     const Pose2& earlier = recent_[recent_.size() - back];
     motion.relative.push_back({back, inverse(earlier) * found.local_from_robot, information});
   }
 }
 
-/// Whether the pose agrees clearly better with the map than poses to both sides of it: what few surfaces hold it then
-/// do so for sure (the end of a long corridor).
-bool ScanFrontEnd::stands_out(const SurfacePoints& points, const Pose2& local_from_robot,
-                              Point2 direction_in_robot) const {
-  constexpr double aside = 0.3;  // m
-  const SurfacePoints telling = without_grazed(points);
-  const std::span<const SurfacePoints> scan(&telling, 1);
-  const double here = score_of(map_.agreement(scan, local_from_robot));
-  for (const double step : {-aside, aside}) {
-    const Pose2 there = local_from_robot * Pose2{step * direction_in_robot.x, step * direction_in_robot.y, 0};
-    if (here - score_of(map_.agreement(scan, there)) < params_.unobservable_drop) { return false; }
-  }
-  return true;
-}
-
-/// Along a direction of which the scan says nothing the prediction stands, and nothing counts as measured.
-void ScanFrontEnd::keep_prediction(Judged& found, const Pose2& prediction, Point2 direction_in_robot) {
-  const Point2 direction = Pose2{0, 0, found.local_from_robot.theta} * direction_in_robot;
+/// Along a direction of which the scan says nothing the prediction stands, and nothing counts as measured. Nothing
+/// does, either, where what the scan says is in doubt; but then the prediction is no better.
+void ScanFrontEnd::give_up_direction(Judged& found, const Pose2& prediction, const Hold& hold) {
+  const Eigen::Vector3d d(hold.direction.x, hold.direction.y, 0);
+  const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - d * d.transpose();
+  found.terms.information = rest * found.terms.information * rest;
+  if (hold.doubted) { return; }
+  const Point2 direction = Pose2{0, 0, found.local_from_robot.theta} * hold.direction;
   const double off = dot(direction, prediction.translation() - found.local_from_robot.translation());
   found.local_from_robot.x += off * direction.x;
   found.local_from_robot.y += off * direction.y;
-  const Eigen::Vector3d d(direction_in_robot.x, direction_in_robot.y, 0);
-  const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - d * d.transpose();
-  found.terms.information = rest * found.terms.information * rest;
 }
 
 ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
@@ -244,11 +206,11 @@ ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
       motion.source = source;
     }
   }
-  const Hold hold = hold_of(scan.points);
+  const Hold hold = hold_of(scan.points, map_, found.local_from_robot);
   motion.unobservable =
-      motion.source == MotionSource::prediction ||
-      (hold.weakest < params_.unobservable_share && !stands_out(scan.points, found.local_from_robot, hold.direction));
-  if (motion.unobservable) { keep_prediction(found, prediction, hold.direction); }
+      motion.source == MotionSource::prediction || !holds(hold, map_, scan.points, found.local_from_robot, params_);
+  if (motion.unobservable) { give_up_direction(found, prediction, hold); }
+  seen_in_a_row_ = motion.unobservable ? 0 : seen_in_a_row_ + 1;
   add_relative(motion, found);
   remember(scan, found.local_from_robot);
   blind_ = motion.source == MotionSource::prediction ? blind_ + 1 : 0;

@@ -6,6 +6,7 @@
 #include "flirt/registration/local_map.hpp"
 #include "flirt/registration/surface_alignment.hpp"
 #include "flirt/slam/front_end.hpp"
+#include "flirt/slam/hold.hpp"
 #include "flirt/slam/slam_params.hpp"
 #include "flirt/slam/slam_scan.hpp"
 
@@ -50,9 +51,7 @@ class ScanFrontEnd {
   void remember(const SlamScan& scan, const Pose2& local_from_robot);
   void restart(const SlamScan& scan, const Pose2& local_from_robot);
   void add_to_map(const SlamScan& scan, const Pose2& local_from_robot);
-  [[nodiscard]] bool stands_out(const SurfacePoints& points, const Pose2& local_from_robot,
-                                Point2 direction_in_robot) const;
-  static void keep_prediction(Judged& found, const Pose2& prediction, Point2 direction_in_robot);
+  static void give_up_direction(Judged& found, const Pose2& prediction, const Hold& hold);
   void add_relative(ScanMotion& motion, const Judged& found) const;
 
   SlamParams params_;
@@ -65,7 +64,8 @@ class ScanFrontEnd {
   std::optional<Pose2> last_odometry_{};
   Pose2 last_motion_{};
   double travel_{0};
-  std::uint32_t blind_{0};  ///< scans in a row that were not believed
+  std::uint32_t blind_{0};          ///< scans in a row that were not believed
+  std::uint32_t seen_in_a_row_{0};  ///< motions up to the last that could be seen
 };
 
 }  // namespace flirt

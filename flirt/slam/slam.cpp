@@ -41,6 +41,16 @@ struct Slam::State {
     return kept;
   }
 
+  /// Of all scans, denser than for finding motions.
+  [[nodiscard]] std::vector<SurfacePoints> fine_points() const {
+    SurfacePointParams fine = params.points;
+    fine.spacing = params.polish_spacing;
+    std::vector<SurfacePoints> points;
+    points.reserve(scans.size());
+    for (const SlamScan& scan : scans) { points.push_back(surface_points(scan.scan, fine)); }
+    return points;
+  }
+
   void add_node(const ScanMotion& motion) {
     const auto node = static_cast<std::uint32_t>(graph.map_from_node.size());
     if (motion.relative.empty()) {
@@ -115,7 +125,8 @@ struct Slam::State {
       static_cast<void>(optimize_tail(graph, first_free, {.backend = Backend::toro, .iterations = 30}));
       iterations = std::max(iterations, 20U);
     }
-    static_cast<void>(optimize_tail(graph, first_free, {.backend = params.backend, .iterations = iterations}));
+    static_cast<void>(optimize_tail(graph, first_free,
+                                    {.backend = params.backend, .iterations = iterations, .trust_radius = undamped}));
     pending = 0;
     steps_waited = 0;
     pending_translation = 0;
@@ -196,9 +207,14 @@ void Slam::finish() {
   }
   if (!polished_at_end) { return; }
   const auto begin = Clock::now();
-  PolishSummary polished = polish(s.graph, s.scans, s.params);
+  const std::vector<SurfacePoints> points = s.fine_points();
+  PolishSummary polished = polish(s.graph, points, s.params);
   s.summary.repaired = s.params.polish_rounds == 0 ? 0 : repair(s.graph, s.scans, s.suspects(polished.fit), s.params);
-  if (s.summary.repaired > 0) { polished = polish(s.graph, s.scans, s.params); }
+  if (s.summary.repaired > 0) {
+    SlamParams again = s.params;
+    again.polish_rounds = std::min(again.polish_rounds, 2U);  // only few scans have yet to settle
+    polished = polish(s.graph, points, again);
+  }
   s.summary.pairs = polished.pairs;
   s.summary.pair_residual = polished.residual;
   s.summary.seconds.polish += seconds_since(begin);

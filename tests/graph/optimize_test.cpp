@@ -48,6 +48,19 @@ PoseGraph with_start(const KnownGraph& known, const std::vector<Pose2>& start) {
   return graph;
 }
 
+TEST(Optimize, OneStepBendsALongChainToItsClosure) {
+  // All poses have heading 0 and no edge measures a turn, so that the problem is nearly linear. The chain's weakest
+  // mode is a millionth as stiff as an edge: a damped step would leave it.
+  constexpr std::uint32_t length = 500;
+  PoseGraph graph;
+  const Eigen::Matrix3d stiff_heading = Eigen::Vector3d(1, 1, 1e6).asDiagonal();
+  for (std::uint32_t i = 0; i <= length; ++i) { graph.map_from_node.push_back({0.1 * i, 0, 0}); }
+  for (std::uint32_t i = 0; i < length; ++i) { graph.edges.push_back({i, i + 1, {0.1, 0, 0}, stiff_heading}); }
+  graph.edges.push_back({0, length, {0.1 * length + 1, 0, 0}, stiff_heading});
+  static_cast<void>(optimize(graph, {.iterations = 1, .trust_radius = undamped}));
+  EXPECT_NEAR(graph.map_from_node[length].x, 0.1 * length + length / (length + 1.0), 1e-3);
+}
+
 TEST(Optimize, BothBackendsFindTheTruthOfAConsistentGraph) {
   const KnownGraph known = rounds(3, {}, 0);
   Rng rng(4);

@@ -102,6 +102,17 @@ TEST(LocalMap, SearchValuesFallWithTheDistanceToTheNearestPoint) {
   }
 }
 
+TEST(LocalMap, IsFreeWhereBeamsPassedAndNothingWasHit) {
+  const std::vector<Placed> scans = walked({});
+  const LocalMap map = map_of(scans);
+  const Placed& scan = scans.front();
+  const Point2 robot = scan.pose.translation();
+  const Point2 hit = scan.pose * Point2{scan.points.x.front(), scan.points.y.front()};
+  EXPECT_TRUE(map.is_free(robot + 0.5 * (hit - robot)));
+  EXPECT_FALSE(map.is_free(hit));
+  EXPECT_FALSE(map.is_free({50, 50}));
+}
+
 TEST(LocalMap, TellsTheRightPoseFromOneThroughAWall) {
   const std::vector<Placed> scans = walked({});
   const LocalMap map = map_of(scans);

@@ -28,6 +28,12 @@ inline std::vector<SlamScan> slam_scans(const ScanLog& log) {
   return scans;
 }
 
+inline std::vector<SurfacePoints> points_of(std::span<const SlamScan> scans) {
+  std::vector<SurfacePoints> points;
+  for (const SlamScan& scan : scans) { points.push_back(scan.points); }
+  return points;
+}
+
 /// The poses, each off by about `metres` and `radians`, the first one not.
 inline std::vector<Pose2> shaken(std::span<const Pose2> poses, double metres, double radians, std::uint64_t seed) {
   std::vector<Pose2> off(poses.begin(), poses.end());

@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace flirt {
@@ -115,6 +116,16 @@ TEST(Slam, SaysThatABareCorridorCannotBeSeenAlong) {
     EXPECT_LT(std::abs(pose.x), 0.5);  // no motion is made up
     EXPECT_LT(std::abs(pose.y), 0.05);
     EXPECT_LT(std::abs(pose.theta), 0.01);
+  }
+}
+
+TEST(Slam, HasNoEdgeAcrossAMotionThatWasNotSeen) {
+  Slam slam;
+  for (int i = 0; i < 20; ++i) { slam.add(corridor_scan(0.3 * i)); }
+  ASSERT_GE(slam.summary().unobservable, 18U);
+  for (const PoseEdge& edge : slam.graph().edges) {
+    const std::span<const SlamStep> across = std::span(slam.steps()).subspan(edge.a + 1, edge.b - edge.a);
+    EXPECT_TRUE(edge.b == edge.a + 1 || std::ranges::count(across, true, &SlamStep::unobservable) == 0) << edge.a << " to " << edge.b;
   }
 }
 
