@@ -125,7 +125,8 @@ TEST(Slam, HasNoEdgeAcrossAMotionThatWasNotSeen) {
   ASSERT_GE(slam.summary().unobservable, 18U);
   for (const PoseEdge& edge : slam.graph().edges) {
     const std::span<const SlamStep> across = std::span(slam.steps()).subspan(edge.a + 1, edge.b - edge.a);
-    EXPECT_TRUE(edge.b == edge.a + 1 || std::ranges::count(across, true, &SlamStep::unobservable) == 0) << edge.a << " to " << edge.b;
+    EXPECT_TRUE(edge.b == edge.a + 1 || std::ranges::count(across, true, &SlamStep::unobservable) == 0)
+        << edge.a << " to " << edge.b;
   }
 }
 
