@@ -164,28 +164,39 @@ nlohmann::ordered_json localization_json(const LocalizationRun& run, const Sessi
   return json;
 }
 
-std::string queries_csv(const LocalizationRun& run) {
-  std::string csv = "query,strategy,answerable,reference,x,y,theta,confidence,inliers,residual,verdict,correct\n";
-  for (const LocalizationAnswer& answer : run.bench.answers) { append_line(csv, answer, answer.strategy); }
+namespace {
+
+/// Calls visit(answer, strategy) for each answer, those to distractors last.
+template <class Visit>
+void for_each_answer(const LocalizationRun& run, const Visit& visit) {
+  for (const LocalizationAnswer& answer : run.bench.answers) { visit(answer, answer.strategy); }
   for (std::size_t i = 0; i < run.distractors.size(); ++i) {
     const std::string strategy = fmt::format("distractor:{}", i + 1);
-    for (const LocalizationAnswer& answer : run.distractors[i].answers) { append_line(csv, answer, strategy); }
+    for (const LocalizationAnswer& answer : run.distractors[i].answers) { visit(answer, strategy); }
   }
+}
+
+}  // namespace
+
+std::string queries_csv(const LocalizationRun& run) {
+  std::string csv = "query,strategy,answerable,reference,x,y,theta,confidence,inliers,residual,verdict,correct\n";
+  for_each_answer(
+      run, [&](const LocalizationAnswer& answer, std::string_view strategy) { append_line(csv, answer, strategy); });
   return csv;
 }
 
 std::string evidence_csv(const LocalizationRun& run) {
   std::string csv =
-      "query,answerable,correct,precise,verdict,reason,confidence,points,margin,score,likelihood,free,unknown,through,"
-      "near,residual,nees\n";
-  for (const LocalizationAnswer& answer : run.bench.answers) {
+      "query,strategy,answerable,correct,precise,verdict,reason,confidence,points,margin,score,likelihood,free,unknown,"
+      "through,near,residual,nees\n";
+  for_each_answer(run, [&](const LocalizationAnswer& answer, std::string_view strategy) {
     const EvidenceScore& score = answer.evidence;
-    csv += fmt::format("{},{},{},{},{},{},{:.6g},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.5f},{:.4g}\n",
-                       answer.query, answer.answerable ? 1 : 0, answer.correct ? 1 : 0, answer.precise ? 1 : 0,
-                       answer.verdict, answer.reason, answer.confidence, answer.points, answer.margin, score.total,
-                       score.likelihood, score.free, score.unknown, score.through, score.near, score.residual,
-                       answer.nees);
-  }
+    csv += fmt::format(
+        "{},{},{},{},{},{},{},{:.6g},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.5f},{:.4g}\n", answer.query,
+        strategy, answer.answerable ? 1 : 0, answer.correct ? 1 : 0, answer.precise ? 1 : 0, answer.verdict,
+        answer.reason, answer.confidence, answer.points, answer.margin, score.total, score.likelihood, score.free,
+        score.unknown, score.through, score.near, score.residual, answer.nees);
+  });
   return csv;
 }
 

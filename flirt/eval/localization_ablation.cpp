@@ -41,23 +41,29 @@ void add_search_variants(const LocalizeParams& full, std::vector<LocalizationVar
       [](LocalizeParams& params) { params.method = LocalizeMethod::papers; });
 }
 
+using Weight = double EvidenceWeights::*;
+
 /// Variants that change the score, or the confidence that comes of it.
 void add_score_variants(const LocalizeParams& full, std::vector<LocalizationVariant>& variants) {
   const auto add = [&](std::string_view name, std::string_view meaning, const auto& change) {
     variants.push_back({name, meaning, full});
     change(variants.back().params);
   };
-  add("no-through", "beams may cross walls in the score",
-      [](LocalizeParams& params) { params.search.score.through = 0; });
-  add("no-free", "end points may lie in free space in the score",
-      [](LocalizeParams& params) { params.search.score.free = 0; });
-  add("no-unknown", "unseen space is worth nothing in the score",
-      [](LocalizeParams& params) { params.search.score.unknown = 0; });
-  add("end-points-only", "the three before together", [](LocalizeParams& params) {
-    params.search.score.through = 0;
-    params.search.score.free = 0;
-    params.search.score.unknown = 0;
-  });
+  const auto without = [&](std::string_view name, std::string_view meaning, const std::vector<Weight>& weights) {
+    add(name, meaning, [&](LocalizeParams& params) {
+      for (const Weight weight : weights) {
+        params.search.score.fit.*weight = 0;
+        params.search.score.preference.*weight = 0;
+      }
+    });
+  };
+  using W = EvidenceWeights;
+  without("no-through", "beams may cross walls in the score", {&W::through});
+  without("no-free", "end points may lie in free space in the score", {&W::free});
+  without("no-unknown", "unseen space is worth nothing in the score", {&W::unknown});
+  without("end-points-only", "the three before together", {&W::through, &W::free, &W::unknown});
+  add("one-score", "places compared by how well the scan fits",
+      [](LocalizeParams& params) { params.search.score.preference = params.search.score.fit; });
   add("margin-only", "confidence without the shares of unseen end points and crossing beams",
       [](LocalizeParams& params) {
         params.verdict.unknown = 0;

@@ -14,7 +14,7 @@ std::vector<PoseHypothesis> hypotheses_of(std::span<const ScoredPose> poses, con
   for (std::size_t i = 0; i < poses.size(); ++i) {
     hypotheses.push_back({.map_from_sensor = poses[i].map_from_sensor,
                           .covariance = poses[i].covariance,
-                          .score = poses[i].score.total,
+                          .score = poses[i].score.preference,
                           .weight = weights[i],
                           .evidence = poses[i].score});
   }

@@ -32,7 +32,7 @@ std::optional<Pose2> seen_motion(const MapFields& fields, const ScanPoints& poin
   std::erase_if(poses, [&](const ScoredPose& pose) { return !is_near(pose.map_from_sensor); });
   if (poses.empty()) { return std::nullopt; }
   const ScoredPose& best =
-      *std::ranges::max_element(poses, {}, [](const ScoredPose& pose) { return pose.score.total; });
+      *std::ranges::max_element(poses, {}, [](const ScoredPose& pose) { return pose.score.preference; });
   return inverse(map_from_robot) * best.map_from_sensor * inverse(robot_from_sensor);
 }
 

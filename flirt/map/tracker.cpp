@@ -109,8 +109,9 @@ bool Tracker::is_better(const LocalizationResult& found, const ScanPoints& joine
     tracked.push_back(cluster.map_from_robot * robot_from_sensor);
   }
   const std::vector<ScoredPose> refined = judge(fields, joined, tracked, params_.localize.search);
-  return std::ranges::all_of(
-      refined, [&](const ScoredPose& pose) { return found.best()->score > pose.score.total + params_.inject_margin; });
+  return std::ranges::all_of(refined, [&](const ScoredPose& pose) {
+    return found.best()->score > pose.score.preference + params_.inject_margin;
+  });
 }
 
 void Tracker::search(const Scan& scan, ScanInterval excluded, TrackStep& step) {

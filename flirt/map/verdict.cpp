@@ -13,7 +13,7 @@ double evidence_strength(const EvidenceScore& score, std::size_t points) {
 double confidence_of(std::span<const ScoredPose> distinct_poses, std::size_t points, const VerdictParams& params) {
   const EvidenceScore& first = distinct_poses[0].score;
   double margin = params.largest_margin;
-  if (distinct_poses.size() > 1) { margin = std::min(margin, first.total - distinct_poses[1].score.total); }
+  if (distinct_poses.size() > 1) { margin = std::min(margin, first.preference - distinct_poses[1].score.preference); }
   const double log_odds = params.offset + params.margin * std::sqrt(std::max(0.0, margin)) +
                           params.strength * evidence_strength(first, points) + params.unknown * first.unknown +
                           params.through * first.through;
@@ -24,7 +24,8 @@ Judgement judge_answer(std::span<const ScoredPose> distinct_poses, std::size_t p
   if (distinct_poses.empty()) { return {}; }
   const double confidence = confidence_of(distinct_poses, points, params);
   const EvidenceScore& first = distinct_poses[0].score;
-  const bool twin = distinct_poses.size() > 1 && first.total - distinct_poses[1].score.total < params.min_margin;
+  const bool twin =
+      distinct_poses.size() > 1 && first.preference - distinct_poses[1].score.preference < params.min_margin;
   if (points < params.min_points) { return {Verdict::lost, Reason::few_points, confidence}; }
   if (first.total < params.min_score) { return {Verdict::lost, why_not(first), confidence}; }
   if (confidence >= params.min_confidence && !twin) { return {Verdict::unique, Reason::clear_winner, confidence}; }
@@ -45,7 +46,7 @@ std::vector<double> weights_of(std::span<const ScoredPose> distinct_poses, const
   weights.reserve(distinct_poses.size());
   double sum = 0;
   for (const ScoredPose& pose : distinct_poses) {
-    weights.push_back(std::exp(params.pair_odds * (pose.score.total - distinct_poses[0].score.total)));
+    weights.push_back(std::exp(params.pair_odds * (pose.score.preference - distinct_poses[0].score.preference)));
     sum += weights.back();
   }
   for (double& weight : weights) { weight /= sum; }

@@ -103,7 +103,7 @@ SketchAxes fit_sketch_axes(const DescriptorRows& descriptors) {
                     std::vector<float>(3 * std::size_t{descriptors.stride} * sketch_size, 0.0F)};
   if (descriptors.count == 0) { return result; }
   const Eigen::MatrixXf samples = embedded_samples(descriptors);
-  const auto axes = static_cast<Eigen::Index>(std::min<std::size_t>(axis_count, 3 * descriptors.stride));
+  const auto axes = static_cast<Eigen::Index>(std::min<std::size_t>(axis_count, std::size_t{3} * descriptors.stride));
   // The leading eigenvectors of the samples' second moments, roughly, by orthogonal iteration.
   Eigen::MatrixXf found(samples.rows(), axes);
   for (Eigen::Index i = 0; i < axes; ++i) { found.col(i) = samples.col(i * samples.cols() / axes); }

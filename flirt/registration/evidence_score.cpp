@@ -64,8 +64,8 @@ EvidenceScore EvidenceScorer::score(const ScanPoints& points, const Pose2& map_f
   score.through = through(points, map_from_sensor);
   score.near = near / n;
   score.residual = squared_distances / n * fields_->cell_size * fields_->cell_size;
-  score.total = params_.likelihood * score.likelihood + params_.free * score.free + params_.unknown * score.unknown +
-                params_.through * score.through;
+  score.total = weighted(score, params_.fit);
+  score.preference = weighted(score, params_.preference);
   return score;
 }
 

@@ -11,30 +11,45 @@
 
 namespace flirt {
 
-/// Weights of the terms; fitted on the logs aces and fr101 only.
+/// Weights of the terms of a score.
+struct EvidenceWeights {
+  double likelihood{0};  ///< of the mean likelihood
+  double free{0};        ///< of the share of end points in space known to be free
+  double unknown{0};     ///< of the share of end points where the map saw nothing
+  double through{0};     ///< of the share of beams that cross something solid
+};
+
+/// Whether a scan was taken at a place, and at which of several, are different questions. Where the map ends, a place
+/// elsewhere that the map shows whole often explains more of the scan than the right one, and is given away by what
+/// contradicts it alone.
 struct EvidenceScoreParams {
   double sigma{0.1};           ///< m, of the likelihood of an end point's distance to the nearest occupied cell
-  double likelihood{14.7};     ///< weight of the mean likelihood
-  double free{-11.7};          ///< weight of the share of end points in space known to be free
-  double unknown{1.0};         ///< weight of the share of end points where the map saw nothing
-  double through{-16.5};       ///< weight of the share of beams that cross something solid
   double through_margin{0.3};  ///< m before a beam's end where a solid cell no longer counts as crossed
+  EvidenceWeights fit{14.7, -11.7, 1.0, -16.5};  ///< fitted on the logs aces and fr101 only
+  /// Conditional logit of the right place among all others, of the logs aces and fr101 and nine simulated buildings,
+  /// scans whose surroundings the map shows in part among them; in units of 1 / VerdictParams::pair_odds.
+  EvidenceWeights preference{4.18, -12.75, -0.92, -19.35};
 };
 
 template <class Params, class Visitor>
   requires std::same_as<std::remove_const_t<Params>, EvidenceScoreParams>
 void visit_fields(Params& params, Visitor&& visit) {
   visit(params.sigma, Field{"sigma", "m", "width of the likelihood of an end point's distance", 0.01, 1.0});
-  visit(params.likelihood, Field{"likelihood", "", "weight of the mean likelihood of end points", -100, 100});
-  visit(params.free, Field{"free", "", "weight of the share of end points in free space", -100, 100});
-  visit(params.unknown, Field{"unknown", "", "weight of the share of end points in unseen space", -100, 100});
-  visit(params.through, Field{"through", "", "weight of the share of beams through something solid", -100, 100});
+  visit(params.fit.likelihood, Field{"likelihood", "", "weight of the mean likelihood of end points", -100, 100});
+  visit(params.fit.free, Field{"free", "", "weight of the share of end points in free space", -100, 100});
+  visit(params.fit.unknown, Field{"unknown", "", "weight of the share of end points in unseen space", -100, 100});
+  visit(params.fit.through, Field{"through", "", "weight of the share of beams through something solid", -100, 100});
+  visit(params.preference.likelihood, Field{"preferred_likelihood", "", "the same between two places", -100, 100});
+  visit(params.preference.free, Field{"preferred_free", "", "the same between two places", -100, 100});
+  visit(params.preference.unknown, Field{"preferred_unknown", "", "the same between two places", -100, 100});
+  visit(params.preference.through, Field{"preferred_through", "", "the same between two places", -100, 100});
   visit(params.through_margin, Field{"through_margin", "m", "part of a beam before its end that may be solid", 0, 5});
 }
 
-/// The terms, each a mean over the end points, and their weighted sum.
+/// The terms, each a mean over the end points, and their weighted sums.
 struct EvidenceScore {
-  double total{0};
+  double total{0};       ///< how well the scan fits here
+  double preference{0};  ///< the larger of two is the likelier place
   double likelihood{0};  ///< 0..1
   double free{0};        ///< 0..1
   double unknown{0};     ///< 0..1
@@ -42,6 +57,12 @@ struct EvidenceScore {
   double near{0};        ///< 0..1, share of end points within 0.1 m of something occupied; has no weight
   double residual{0};    ///< m², mean squared distance to something occupied, each at most (0.4 m)²; has no weight
 };
+
+/// Weighted sum of the terms of anything that has all four.
+[[nodiscard]] inline double weighted(const auto& terms, const EvidenceWeights& weights) {
+  return weights.likelihood * terms.likelihood + weights.free * terms.free + weights.unknown * terms.unknown +
+         weights.through * terms.through;
+}
 
 /// Scores poses of scans in one map. Immutable after construction; tables for the parameters inside.
 class EvidenceScorer {

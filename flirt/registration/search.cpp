@@ -25,7 +25,7 @@ std::vector<ScoredPose> judge(const MapFields& fields, const ScanPoints& points,
 }
 
 std::vector<ScoredPose> distinct(std::vector<ScoredPose> poses, const SearchParams& params) {
-  std::ranges::stable_sort(poses, std::ranges::greater{}, [](const ScoredPose& pose) { return pose.score.total; });
+  std::ranges::stable_sort(poses, std::ranges::greater{}, [](const ScoredPose& pose) { return pose.score.preference; });
   std::vector<ScoredPose> kept;
   for (const ScoredPose& pose : poses) {
     const bool known = std::ranges::any_of(kept, [&](const ScoredPose& better) {

@@ -64,7 +64,8 @@ struct ScoredPose {
 [[nodiscard]] std::vector<ScoredPose> judge(const MapFields& fields, const ScanPoints& points,
                                             std::span<const Pose2> map_from_sensor, const SearchParams& params = {});
 
-/// Best first; of poses that are not distinct only the best stays. O(n²) at worst, n the number of distinct poses.
+/// The most preferred first; of poses that are not distinct only the best stays. O(n²) at worst, n the number of
+/// distinct poses.
 [[nodiscard]] std::vector<ScoredPose> distinct(std::vector<ScoredPose> poses, const SearchParams& params = {});
 
 /// The `params.refined` best of `coarse` (best first, as dense_search gives them) by value and by beams that cross

@@ -28,9 +28,8 @@ struct SlamScan {
 };
 
 /// How a scan agrees with a map, in one number: weighted as in localization.
-[[nodiscard]] inline double score_of(const Agreed& agreed, const EvidenceScoreParams& weights = {}) {
-  return weights.likelihood * agreed.likelihood + weights.free * agreed.free + weights.unknown * agreed.unknown +
-         weights.through * agreed.through;
+[[nodiscard]] inline double score_of(const Agreed& agreed) {
+  return weighted(agreed, EvidenceScoreParams{}.fit);
 }
 
 /// What the terms of an alignment are worth as information of an edge: residuals deviate by `range_sigma`, and what

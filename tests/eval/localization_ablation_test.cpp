@@ -28,7 +28,7 @@ TEST(Ablation, ComparesEachVariantWithFullOnTheSameQueries) {
   params.every = 4;
   params.revisit.travel = 0.3;
   LocalizeParams perverse;
-  perverse.search.score.likelihood = -perverse.search.score.likelihood;
+  perverse.search.score.preference = {.likelihood = -1, .free = 1, .unknown = 1, .through = 1};
   const std::vector<LocalizationVariant> variants{{"full", "", {}}, {"same", "", {}}, {"perverse", "", perverse}};
   const std::vector<LocalizationVariantRow> rows = ablate_localization(log, map, params, variants, 1);
   ASSERT_EQ(rows.size(), 3U);

@@ -9,7 +9,7 @@ namespace {
 
 ScoredPose pose_of_score(double total) {
   ScoredPose pose;
-  pose.score = {.total = total, .likelihood = total / 14.7};
+  pose.score = {.total = total, .preference = total, .likelihood = total / 14.7};
   return pose;
 }
 

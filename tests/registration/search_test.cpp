@@ -37,7 +37,7 @@ TEST_P(SearchInARoom, FindsThePoseForHalfAndFullTurns) {
       EXPECT_LT(heading_difference(found[0].map_from_sensor, truth), radians_from_degrees(0.7)) << field_of_view;
       EXPECT_GT(found[0].score.likelihood, 0.8);
       EXPECT_LT(found[0].score.through, 0.05);
-      if (found.size() > 1) { EXPECT_GT(found[0].score.total - found[1].score.total, 1.0); }
+      if (found.size() > 1) { EXPECT_GT(found[0].score.preference - found[1].score.preference, 1.0); }
     }
   }
 }
@@ -63,7 +63,7 @@ TEST(Search, GivesBothModesOfTwinRoomsEqualScores) {
   const Pose2 there = found[first_is_twin ? 0 : 1].map_from_sensor;
   EXPECT_LT(distance(here, truth), 0.04);
   EXPECT_LT(distance(there, map_from_twin * truth), 0.04);
-  EXPECT_NEAR(found[0].score.total, found[1].score.total, 0.1);
+  EXPECT_NEAR(found[0].score.preference, found[1].score.preference, 0.1);
 }
 
 TEST(Search, OnePersonDoesNotVeto) {
