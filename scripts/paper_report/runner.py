@@ -20,18 +20,19 @@ class Size:
     ablation_every: int  # 0: no ablations
     area: int  # m², of simulated buildings
     mapping: bool  # maps of whole logs
+    arena_queries: int  # a log; 0: no arena
 
     @staticmethod
     def full() -> "Size":
-        return Size("full", 1, 0, 300, 0, 1, 1200, True)
+        return Size("full", 1, 0, 300, 0, 1, 1200, True, 100)
 
     @staticmethod
     def quick() -> "Size":
-        return Size("quick", 12, 0, 0, 5, 6, 600, True)
+        return Size("quick", 12, 0, 0, 5, 6, 600, True, 10)
 
     @staticmethod
     def smallest() -> "Size":
-        return Size("smallest", 20, 2, 0, 1, 0, 200, True)
+        return Size("smallest", 20, 2, 0, 1, 0, 200, True, 2)
 
 
 class Program:
@@ -67,4 +68,8 @@ class Program:
     def json(self, file: pathlib.Path, *arguments: object, allowed: tuple[int, ...] = (0,)) -> dict:
         """Runs the command with --json `file`, and reads that."""
         self.run(*arguments, "--json", file, allowed=allowed)
+        return self.read(file)
+
+    @staticmethod
+    def read(file: pathlib.Path):
         return json.loads(file.read_text())

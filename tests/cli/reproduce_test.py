@@ -53,7 +53,7 @@ class Reproduce(unittest.TestCase):
         self.assertEqual(page.found, [])
         self.assertEqual(len(page.ids), len(set(page.ids)))
         self.assertIn("No real logs were given", text)
-        for experiment in ("P1 Fig. 1–4", "P2 Fig. 6", "P2 Fig. 7", "P2 Fig. 8, Table I", "P1 Fig. 6", "P1 Fig. 7", "P1 Table 2", "P1 Fig. 9"):
+        for experiment in ("P1 Fig. 1–4", "P2 Fig. 6", "P2 Fig. 7", "P2 Fig. 8, Table I", "P1 Fig. 6", "P1 Fig. 7", "P1 Table 2", "P1 Fig. 9", "the arena"):
             self.assertIn(experiment, text)
         for name in ("figure-2", "detectors-summary", "descriptors", "table-1", "table-2", "bench-slam", "crowds"):
             self.assertEqual(len(self.rows(out / "tables" / f"{name}.csv")), len(json.loads((out / "tables" / f"{name}.json").read_text())))
