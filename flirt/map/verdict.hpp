@@ -65,18 +65,18 @@ double evidence_strength(const EvidenceScore& score, std::size_t points);
 
 /// Confidence = 1 / (1 + exp(−(offset + margin·√m + strength·s + unknown·u + through·t))), with m the score's margin to
 /// the second place, at most `largest_margin`; s = score · √(points / 80); u and t the score's terms of those names.
-/// Fitted by maximum likelihood on the logs aces and fr101 and on simulated buildings: 4730 scans whose neighbourhood
-/// had left the map, and 1992 scans of other buildings (docs/localization.md).
+/// Fitted by maximum likelihood on the logs aces and fr101 and on simulated buildings: 3931 scans whose neighbourhood
+/// had left the map, and 1810 scans of other buildings (docs/localization.md).
 struct VerdictParams {
-  double offset{-6.0};          ///< log odds
-  double margin{3.35};          ///< log odds per root of a unit of margin
-  double strength{0.36};        ///< log odds per unit of score · √(points / 80)
-  double unknown{-2.7};         ///< log odds per share of end points in unseen space
-  double through{-14.6};        ///< log odds per share of beams through something solid
+  double offset{-6.65};         ///< log odds
+  double margin{3.12};          ///< log odds per root of a unit of margin
+  double strength{0.394};       ///< log odds per unit of score · √(points / 80)
+  double unknown{-1.9};         ///< log odds per share of end points in unseen space
+  double through{-18};          ///< log odds per share of beams through something solid
   double largest_margin{9};     ///< a larger margin counts as this
   double pair_odds{1.8};        ///< log odds of one place against another per unit of score between them
   double min_confidence{0.9};   ///< less is ambiguous; of the scans used in the fit, .993 of those above were right
-  double min_margin{0.5};       ///< less is ambiguous: through the grid's cells, exact twins differ by as much
+  double min_margin{0.6};       ///< less is ambiguous: through the grid's cells, exact twins differ by as much
   double min_score{4};          ///< less is lost
   std::uint32_t min_points{8};  ///< end points; fewer are lost
 };

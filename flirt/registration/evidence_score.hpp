@@ -26,9 +26,10 @@ struct EvidenceScoreParams {
   double sigma{0.1};           ///< m, of the likelihood of an end point's distance to the nearest occupied cell
   double through_margin{0.3};  ///< m before a beam's end where a solid cell no longer counts as crossed
   EvidenceWeights fit{14.7, -11.7, 1.0, -16.5};  ///< fitted on the logs aces and fr101 only
-  /// Conditional logit of the right place among all others, of the logs aces and fr101 and nine simulated buildings,
-  /// scans whose surroundings the map shows in part among them; in units of 1 / VerdictParams::pair_odds.
-  EvidenceWeights preference{4.18, -12.75, -0.92, -19.35};
+  /// Half of the way from `fit` to the conditional logit of the right place among all others (4.18, −12.75, −0.92,
+  /// −19.35, in units of 1 / VerdictParams::pair_odds) of aces, fr101 and nine simulated buildings, scans whose
+  /// surroundings the map shows in part among them. All of the way loses in crowds (docs/localization.md).
+  EvidenceWeights preference{9.4, -12.2, 0.0, -17.9};
 };
 
 template <class Params, class Visitor>
