@@ -11,30 +11,54 @@ namespace {
 /// `gap`.
 std::size_t end_of_thing(std::span<const BeamPoint> points, const Scan& scan, std::size_t begin, double gap) {
   std::size_t end = begin + 1;
-  while (end < points.size() && points[end].beam == points[end - 1].beam + 1 &&
+  while (end < points.size() &&
          std::abs(static_cast<double>(scan.ranges[points[end].beam] - scan.ranges[points[end - 1].beam])) < gap) {
     ++end;
   }
   return end;
 }
 
-/// The points without those on legs.
-std::vector<BeamPoint> without_legs(std::vector<BeamPoint> points, const Scan& scan, const ScanPointParams& params) {
-  if (params.leg_width <= 0) { return points; }
-  const auto range = [&](std::size_t i) { return static_cast<double>(scan.ranges[points[i].beam]); };
+/// Whether one of the two readings next to a thing, `step` away from its outermost point, is longer by the gap. Two,
+/// since a beam that meets the edge of a leg may return a range between that of the leg and that of what is behind.
+bool is_left_behind(std::span<const BeamPoint> points, const Scan& scan, std::size_t outermost, std::ptrdiff_t step,
+                    double gap) {
+  for (std::ptrdiff_t k = 1; k <= 2; ++k) {
+    const std::ptrdiff_t i = static_cast<std::ptrdiff_t>(outermost) + k * step;
+    if (i < 0 || i >= std::ssize(points)) { return false; }
+    if (scan.ranges[points[static_cast<std::size_t>(i)].beam] > scan.ranges[points[outermost].beam] + gap) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// The points without those on legs that stand before all that is beside them.
+std::vector<BeamPoint> without_nearest_legs(std::span<const BeamPoint> points, const Scan& scan,
+                                            const ScanPointParams& params) {
   std::vector<BeamPoint> kept;
   kept.reserve(points.size());
   for (std::size_t begin = 0; begin < points.size();) {
     const std::size_t end = end_of_thing(points, scan, begin, params.leg_gap / 2);
-    const bool before_left = begin > 0 && range(begin - 1) > range(begin) + params.leg_gap;
-    const bool before_right = end < points.size() && range(end) > range(end - 1) + params.leg_gap;
     const bool narrow = norm(points[end - 1].point - points[begin].point) < params.leg_width;
-    if (!(narrow && before_left && before_right)) {
-      for (std::size_t i = begin; i < end; ++i) { kept.push_back(points[i]); }
+    const bool is_leg = narrow && is_left_behind(points, scan, begin, -1, params.leg_gap) &&
+                        is_left_behind(points, scan, end - 1, 1, params.leg_gap);
+    if (!is_leg) {
+      kept.insert(kept.end(), points.begin() + static_cast<std::ptrdiff_t>(begin),
+                  points.begin() + static_cast<std::ptrdiff_t>(end));
     }
     begin = end;
   }
   return kept;
+}
+
+/// The points without those on legs. Once a leg is gone, one half behind it stands free, too.
+std::vector<BeamPoint> without_legs(std::vector<BeamPoint> points, const Scan& scan, const ScanPointParams& params) {
+  if (params.leg_width <= 0) { return points; }
+  for (;;) {
+    std::vector<BeamPoint> kept = without_nearest_legs(points, scan, params);
+    if (kept.size() == points.size()) { return kept; }
+    points = std::move(kept);
+  }
 }
 
 }  // namespace

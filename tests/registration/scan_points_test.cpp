@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstddef>
+#include <utility>
+#include <vector>
 
 namespace flirt {
 namespace {
@@ -49,6 +52,28 @@ std::size_t points_on_post(double side, const ScanPointParams& params = {}, Poin
 TEST(ScanPoints, LegsAreLeftOut) {
   EXPECT_EQ(points_on_post(0.12), 0U);
   EXPECT_GT(points_on_post(0.12, {.leg_width = 0}), 0U);
+}
+
+/// A wall 3 m ahead, seen by beams a degree apart, with some of the readings replaced, and how many points remain.
+std::size_t points_before_a_wall(std::vector<std::pair<std::size_t, float>> replaced) {
+  Scan scan{.beams = {radians_from_degrees(-20), radians_from_degrees(1), 0.05, 50}};
+  for (int i = 0; i <= 40; ++i) {
+    scan.ranges.push_back(static_cast<float>(3 / std::cos(radians_from_degrees(i - 20))));
+  }
+  for (const auto& [beam, range] : replaced) { scan.ranges[beam] = range; }
+  return scan_points(scan, {.spacing = 0}).size();
+}
+
+TEST(ScanPoints, ALegHalfBehindAnotherIsLeftOutToo) {
+  EXPECT_EQ(points_before_a_wall({{18, 1.0F}, {19, 1.0F}, {20, 1.0F}, {21, 1.5F}, {22, 1.5F}}), 41U - 5U);
+}
+
+TEST(ScanPoints, AReadingBetweenALegAndTheWallBehindHidesNoLeg) {
+  EXPECT_EQ(points_before_a_wall({{18, 1.0F}, {19, 1.0F}, {20, 2.8F}}), 41U - 2U);
+}
+
+TEST(ScanPoints, AWallBetweenTwoLegsStays) {
+  EXPECT_EQ(points_before_a_wall({{16, 1.0F}, {17, 1.0F}, {20, 1.0F}, {21, 1.0F}}), 41U - 4U);
 }
 
 TEST(ScanPoints, WhatIsWiderThanALegStays) {
