@@ -144,13 +144,11 @@ void Ransac::try_random(const KeypointColumns& reference) {
 
 /// All pairs by the worse of their two descriptor distances.
 void Ransac::try_all(const KeypointColumns& reference) {
-  partners_.resize(std::max(partners_.size(), candidates_.query_x.size()));
-  std::uint64_t samples = 0;
-  for (std::uint32_t j = 1; j < sorted_.size() && samples < params_.max_samples; ++j) {
-    const std::size_t found = rigid_partners(candidates_, j, pair_limits_, partners_);
-    for (std::size_t k = 0; k < found; ++k) { try_pair(reference, partners_[k], j); }
-    samples += j;
-  }
+  std::size_t count = 1;
+  std::size_t samples = 0;
+  while (count < sorted_.size() && samples < params_.max_samples) { samples += count++; }
+  rigid_pairs(candidates_, count, pair_limits_, pairs_);
+  for (const CandidatePair& pair : pairs_.pairs) { try_pair(reference, pair.i, pair.j); }
 }
 
 void Ransac::try_pair(const KeypointColumns& reference, std::uint32_t i, std::uint32_t j) {
@@ -246,6 +244,7 @@ void Ransac::refine(const KeypointColumns& reference) {
     evaluate(*reference_from_query, reference, refined_);
     if (!(refined_.residual < best_.residual)) { return; }
     std::swap(best_, refined_);
+    if (best_.inliers == refined_.inliers) { return; }  // whose fit this is: the next one would be the same
   }
 }
 

@@ -143,7 +143,7 @@ class Ransac {
   std::vector<Match> usable_{};  ///< candidates whose keypoints are in sight
   std::vector<Match> sorted_{};  ///< usable candidates by descriptor distance
   CandidateColumns candidates_{};
-  std::vector<std::uint32_t> partners_{};
+  RigidPairs pairs_{};
   std::vector<std::uint32_t> nearest_{};                            ///< reference keypoint of each query keypoint
   std::vector<float> squared_{};                                    ///< m², distance to it
   std::vector<std::pair<float, std::uint32_t>> near_candidates_{};  ///< one-to-one: squared distance and candidate
