@@ -68,30 +68,37 @@ HWY_INLINE void all_products(const typename Bound::Element* columns, const Descr
     largest.product[part] = hn::Set(d, typename Bound::Product{-1});
     largest.row[part] = hn::Zero(indices);
   }
-  std::uint32_t j = 0;
-  for (; j + rows_at_once <= reference.count; j += rows_at_once) {
-    add_products<rows_at_once>(columns, reference, j, products, largest);
+  if (reference.count < rows_at_once) {
+    for (std::uint32_t j = 0; j < reference.count; ++j) { add_products<1>(columns, reference, j, products, largest); }
+  } else {
+    for (std::uint32_t j = 0; j < reference.count; j += rows_at_once) {  // the last few rows perhaps twice
+      add_products<rows_at_once>(columns, reference, std::min(j, reference.count - rows_at_once), products, largest);
+    }
   }
-  for (; j < reference.count; ++j) { add_products<1>(columns, reference, j, products, largest); }
   for (std::size_t part = 0; part < parts; ++part) { hn::StoreU(largest.row[part], indices, guess + part * lanes); }
 }
 
 /// Bits of the queries, lane by lane, whose product with the row of `products` exceeds `least`.
 template <class Product>
-HWY_INLINE std::uint64_t exceeding(const Product* products, const Product (&least)[16]) {
+HWY_INLINE std::uint16_t exceeding(const Product* products, const Product (&least)[16]) {
   const hn::Rebind<Product, Floats> d;
-  std::uint64_t bits = 0;
-  for (std::size_t part = 0; part < parts; ++part) {
-    const auto exceeds = hn::Gt(hn::LoadU(d, products + part * lanes), hn::LoadU(d, least + part * lanes));
-    std::uint8_t mask[8] = {};
-    hn::StoreMaskBits(d, exceeds, mask);
-    bits |= (static_cast<std::uint64_t>(mask[0]) | (lanes > 8 ? static_cast<std::uint64_t>(mask[1]) << 8U : 0U))
-            << (part * lanes);
-  }
-  return bits;
+  return bits_of_group([&](std::size_t part) HWY_ATTR {
+    return hn::RebindMask(Floats{},
+                          hn::Gt(hn::LoadU(d, products + part * lanes), hn::LoadU(d, least + part * lanes)));
+  });
 }
 
-/// Nearest rows of up to 16 queries, `query` their first row, `columns` their roots or sketches side by side.
+/// Smaller for what is nearer, of equally near rows for the first. Distances are not negative, so that their bits
+/// are in their order.
+HWY_INLINE std::uint64_t key_of(Nearest nearest) {
+  return std::uint64_t{std::bit_cast<std::uint32_t>(nearest.distance)} << 32U | nearest.reference;
+}
+HWY_INLINE Nearest nearest_of(std::uint64_t key) {
+  return {static_cast<std::uint32_t>(key), std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32U))};
+}
+
+/// Nearest rows of up to 16 queries, `query` their first row, `columns` their roots or sketches side by side. Branches
+/// that depend on the data are few: nobody can foresee them.
 template <class Bound>
 HWY_INLINE void nearest_of_block(const typename Bound::Element* columns, const float* query, std::size_t queries,
                                  const DescriptorRows& reference, float limit, typename Bound::Product* products,
@@ -100,33 +107,30 @@ HWY_INLINE void nearest_of_block(const typename Bound::Element* columns, const f
   const std::size_t stride = reference.stride;
   std::uint32_t guess[16];
   all_products<Bound>(columns, reference, products, guess);
+  const auto compared = [&](std::size_t lane, std::uint32_t j) HWY_ATTR {
+    return key_of({j, chi_square(query + lane * stride, reference.rows + j * stride, stride)});
+  };
   Product least[16];
+  std::uint64_t keys[16];
   std::ranges::fill(least, std::numeric_limits<Product>::max());
   for (std::size_t lane = 0; lane < queries; ++lane) {
-    nearest[lane] = {reference.count, limit};
-    const std::uint32_t j = guess[lane];
-    Product& product = products[std::size_t{j} * 16 + lane];
-    if (product <= Bound::least_product(limit)) { continue; }
-    const float distance = chi_square(query + lane * stride, reference.rows + j * stride, stride);
-    if (distance < limit) { nearest[lane] = {j, distance}; }
-    least[lane] = Bound::least_product(nearest[lane].distance);
-    product = std::numeric_limits<Product>::lowest();  // done
+    keys[lane] = std::min(key_of({reference.count, limit}), compared(lane, guess[lane]));
+    least[lane] = Bound::least_product(nearest_of(keys[lane]).distance);
+    products[std::size_t{guess[lane]} * 16 + lane] = std::numeric_limits<Product>::lowest();  // done
   }
   for (std::uint32_t first = 0; first < reference.count; first += rows_at_once) {
     std::uint64_t bits = 0;
     const std::uint32_t rows = std::min<std::uint32_t>(rows_at_once, reference.count - first);
     for (std::uint32_t r = 0; r < rows; ++r) {
-      bits |= exceeding(products + (std::size_t{first} + r) * 16, least) << (16 * r);
+      bits |= std::uint64_t{exceeding(products + (std::size_t{first} + r) * 16, least)} << (16 * r);
     }
     for (; bits != 0; bits &= bits - 1) {
       const auto bit = static_cast<std::uint32_t>(std::countr_zero(bits));
-      const std::uint32_t j = first + bit / 16;
       const std::size_t lane = bit % 16;
-      const float distance = chi_square(query + lane * stride, reference.rows + j * stride, stride);
-      Nearest& known = nearest[lane];  // of equal distances the first; the guess may come from further behind
-      if (distance < known.distance || (distance == known.distance && j < known.reference)) { known = {j, distance}; }
+      keys[lane] = std::min(keys[lane], compared(lane, first + bit / 16));
     }
   }
+  for (std::size_t lane = 0; lane < queries; ++lane) { nearest[lane] = nearest_of(keys[lane]); }
 }
 
 void nearest_by_roots(const float* columns, const float* query, std::size_t queries, const DescriptorRows& reference,
