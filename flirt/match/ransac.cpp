@@ -220,9 +220,13 @@ void Ransac::evaluate(const Pose2& reference_from_query, const KeypointColumns& 
   if (params_.inlier_rule == InlierRule::nearest_point) {
     nearest_points(motion, scored_query_, reference, nearest_, squared_);
     const float farthest = farthest_inlier(motion);
-    for (std::uint32_t i = 0; i < query_.size(); ++i) {
-      if (squared_[i] < farthest) { support.inliers.push_back({i, nearest_[i]}); }
+    support.inliers.resize(query_.size());
+    std::size_t count = 0;
+    for (std::uint32_t i = 0; i < query_.size(); ++i) {  // which are near can't be foreseen: no branch
+      support.inliers[count] = {i, nearest_[i]};
+      count += squared_[i] < farthest ? 1 : 0;
     }
+    support.inliers.resize(count);
   } else {
     pair_one_to_one(motion, reference.size());
     for (const auto& [squared, candidate] : near_candidates_) {
