@@ -69,7 +69,8 @@ class FounderGrid {
     return static_cast<std::int64_t>(position * per_metre_ + static_cast<double>(far_away));
   }
   [[nodiscard]] std::size_t chain_of(std::int64_t x, std::int64_t y) const {
-    const auto mixed = (static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15U) ^ (static_cast<std::uint64_t>(y) * 0xC2B2AE3D27D4EB4FU);
+    const auto mixed =
+        (static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15U) ^ (static_cast<std::uint64_t>(y) * 0xC2B2AE3D27D4EB4FU);
     return (mixed >> 32U) & (chains_.size() - 1);
   }
 

@@ -83,8 +83,7 @@ template <class Product>
 HWY_INLINE std::uint16_t exceeding(const Product* products, const Product (&least)[16]) {
   const hn::Rebind<Product, Floats> d;
   return bits_of_group([&](std::size_t part) HWY_ATTR {
-    return hn::RebindMask(Floats{},
-                          hn::Gt(hn::LoadU(d, products + part * lanes), hn::LoadU(d, least + part * lanes)));
+    return hn::RebindMask(Floats{}, hn::Gt(hn::LoadU(d, products + part * lanes), hn::LoadU(d, least + part * lanes)));
   });
 }
 

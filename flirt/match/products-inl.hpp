@@ -57,8 +57,7 @@ using IntegerPairs = hn::Repartition<std::int16_t, Integers>;
 
 /// Adds the two products of each pair to `sum`, or elsewhere to `upper`.
 HWY_INLINE hn::Vec<Integers> add_products_of_pairs(hn::Vec<IntegerPairs> a, hn::Vec<IntegerPairs> b,
-                                                   hn::Vec<Integers> sum,
-                                                   [[maybe_unused]] hn::Vec<Integers>& upper) {
+                                                   hn::Vec<Integers> sum, [[maybe_unused]] hn::Vec<Integers>& upper) {
 #if HWY_TARGET == HWY_AVX3_DL
   // One instruction, which Highway 1.0 lacks, as it lacks the target "avx512vnni" that the intrinsic asks for.
   asm("vpdpwssd %2, %1, %0" : "+v"(sum.raw) : "v"(a.raw), "v"(b.raw));

@@ -101,8 +101,7 @@ void Ransac::choose(const KeypointColumns& reference, std::span<const Match> can
     in_order = in_order && (usable_.empty() || comes_before(usable_.back(), match));
     usable_.push_back(match);
   }
-  const bool all_pairs = params_.sampling == Sampling::exhaustive &&
-                         params_.inlier_rule == InlierRule::nearest_point &&
+  const bool all_pairs = params_.sampling == Sampling::exhaustive && params_.inlier_rule == InlierRule::nearest_point &&
                          usable_.size() * usable_.size() / 2 <= params_.max_samples;
   if (in_order && all_pairs) { return; }
   std::ranges::sort(usable_, is_better);

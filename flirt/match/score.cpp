@@ -110,7 +110,7 @@ void fill_turns(CandidateColumns& c) {
 
 /// Which of the candidates [first, first + lanes) may move together with candidate j.
 HWY_INLINE hn::Mask<Floats> are_rigid(const CandidateColumns& c, std::size_t j, const PairLimits& limits,
-                                    std::size_t first) {
+                                      std::size_t first) {
   const Floats d;
   const auto query_x = hn::Sub(hn::LoadU(d, c.query_x.data() + first), hn::Set(d, c.query_x[j]));
   const auto query_y = hn::Sub(hn::LoadU(d, c.query_y.data() + first), hn::Set(d, c.query_y[j]));
@@ -140,9 +140,8 @@ void mark_rigid_pairs(const CandidateColumns& candidates, std::size_t count, con
                       std::size_t groups, std::uint16_t* bits) {
   for (std::size_t j = 1; j < count; ++j) {
     for (std::size_t group = 0; group * 16 < j; ++group) {
-      const std::uint16_t rigid = bits_of_group([&](std::size_t part) HWY_ATTR {
-        return are_rigid(candidates, j, limits, group * 16 + part * lanes);
-      });
+      const std::uint16_t rigid = bits_of_group(
+          [&](std::size_t part) HWY_ATTR { return are_rigid(candidates, j, limits, group * 16 + part * lanes); });
       const std::uint32_t before_j = j - group * 16 < 16 ? (1U << (j - group * 16)) - 1U : 0xFFFFU;
       bits[j * groups + group] = static_cast<std::uint16_t>(rigid & before_j);
     }
@@ -228,8 +227,7 @@ void fill_turns(CandidateColumns& candidates) {
   HWY_DYNAMIC_DISPATCH(fill_turns)(candidates);
 }
 
-void rigid_pairs(const CandidateColumns& candidates, std::size_t count, const PairLimits& limits,
-                 RigidPairs& pairs) {
+void rigid_pairs(const CandidateColumns& candidates, std::size_t count, const PairLimits& limits, RigidPairs& pairs) {
   FLIRT_ASSERT(count <= candidates.count);
   const std::size_t groups = padded(count) / 16;
   const std::size_t words = (count * groups + 3) / 4;
@@ -241,7 +239,8 @@ void rigid_pairs(const CandidateColumns& candidates, std::size_t count, const Pa
     for (std::size_t k = 0; k < 4; ++k) { bits |= std::uint64_t{pairs.bits[4 * word + k]} << (16 * k); }
     for (; bits != 0; bits &= bits - 1) {
       const std::size_t bit = 64 * word + static_cast<std::size_t>(std::countr_zero(bits));
-      pairs.pairs.push_back({static_cast<std::uint32_t>(bit % (16 * groups)), static_cast<std::uint32_t>(bit / (16 * groups))});
+      pairs.pairs.push_back(
+          {static_cast<std::uint32_t>(bit % (16 * groups)), static_cast<std::uint32_t>(bit / (16 * groups))});
     }
   }
 }

@@ -67,6 +67,8 @@ struct PairLimits {
 struct CandidatePair {
   std::uint32_t i{0};
   std::uint32_t j{0};
+
+  friend bool operator==(const CandidatePair&, const CandidatePair&) = default;
 };
 
 /// Pairs that may move together.
