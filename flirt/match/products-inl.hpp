@@ -32,21 +32,21 @@ struct RootProducts {
   static const Element* rows(const DescriptorRows& table) { return table.roots; }
   static std::size_t stride(const DescriptorRows& table) { return table.stride; }
 
-  template <std::size_t Rows>
+  template <std::size_t Rows, std::size_t Vectors>
   static HWY_INLINE void multiply(const Element* columns, const Element* rows, std::size_t stride,
-                                  FloatVector (&sum)[Rows][parts]) {
+                                  FloatVector (&sum)[Rows][Vectors]) {
     const Floats d;
     for (auto& row : sum) {
       for (auto& part : row) { part = hn::Zero(d); }
     }
     for (std::size_t k = 0; k < stride; ++k) {
-      FloatVector column[parts];
-      for (std::size_t part = 0; part < parts; ++part) { column[part] = hn::LoadU(d, columns + k * 16 + part * lanes); }
+      FloatVector column[Vectors];
+      for (std::size_t v = 0; v < Vectors; ++v) {
+        column[v] = hn::LoadU(d, columns + (v / parts * stride + k) * 16 + v % parts * lanes);
+      }
       for (std::size_t r = 0; r < Rows; ++r) {
         const auto root = hn::Set(d, rows[r * stride + k]);
-        for (std::size_t part = 0; part < parts; ++part) {
-          sum[r][part] = hn::MulAdd(column[part], root, sum[r][part]);
-        }
+        for (std::size_t v = 0; v < Vectors; ++v) { sum[r][v] = hn::MulAdd(column[v], root, sum[r][v]); }
       }
     }
   }
@@ -80,44 +80,43 @@ struct SketchProducts {
   static const Element* rows(const DescriptorRows& table) { return table.sketches; }
   static std::size_t stride(const DescriptorRows& /*table*/) { return sketch_size; }
 
-  template <std::size_t Rows>
+  template <std::size_t Rows, std::size_t Vectors>
   static HWY_INLINE void multiply(const Element* columns, const Element* rows, std::size_t stride,
-                                  hn::Vec<Integers> (&sum)[Rows][parts]) {
+                                  hn::Vec<Integers> (&sum)[Rows][Vectors]) {
     const Integers d;
 #if HWY_TARGET == HWY_SCALAR
     for (std::size_t r = 0; r < Rows; ++r) {
-      for (std::size_t part = 0; part < parts; ++part) {
+      for (std::size_t v = 0; v < Vectors; ++v) {
         Product product = 0;
         for (std::size_t k = 0; k < stride; ++k) {
-          product += Product{columns[k / 2 * 32 + part * 2 + k % 2]} * rows[r * stride + k];
+          product +=
+              Product{columns[(v / parts * stride + k / 2 * 2) * 16 + v % parts * 2 + k % 2]} * rows[r * stride + k];
         }
-        sum[r][part] = hn::Set(d, product);
+        sum[r][v] = hn::Set(d, product);
       }
     }
 #else
     const IntegerPairs pairs;
-    hn::Vec<Integers> upper[Rows][parts];  // some instruction sets sum into two halves
+    hn::Vec<Integers> upper[Rows][Vectors];  // some instruction sets sum into two halves
     for (std::size_t r = 0; r < Rows; ++r) {
-      for (std::size_t part = 0; part < parts; ++part) { sum[r][part] = upper[r][part] = hn::Zero(d); }
+      for (std::size_t v = 0; v < Vectors; ++v) { sum[r][v] = upper[r][v] = hn::Zero(d); }
     }
     for (std::size_t k = 0; k < stride; k += 2) {
-      hn::Vec<decltype(pairs)> column[parts];
-      for (std::size_t part = 0; part < parts; ++part) {
-        column[part] = hn::LoadU(pairs, columns + k * 16 + part * 2 * lanes);
+      hn::Vec<decltype(pairs)> column[Vectors];
+      for (std::size_t v = 0; v < Vectors; ++v) {
+        column[v] = hn::LoadU(pairs, columns + (v / parts * stride + k) * 16 + v % parts * 2 * lanes);
       }
       for (std::size_t r = 0; r < Rows; ++r) {
         std::int32_t two = 0;
         std::memcpy(&two, rows + r * stride + k, sizeof two);
         const auto both = hn::BitCast(pairs, hn::Set(d, two));
-        for (std::size_t part = 0; part < parts; ++part) {
-          sum[r][part] = add_products_of_pairs(column[part], both, sum[r][part], upper[r][part]);
+        for (std::size_t v = 0; v < Vectors; ++v) {
+          sum[r][v] = add_products_of_pairs(column[v], both, sum[r][v], upper[r][v]);
         }
       }
     }
     for (std::size_t r = 0; r < Rows; ++r) {
-      for (std::size_t part = 0; part < parts; ++part) {
-        sum[r][part] = hn::RearrangeToOddPlusEven(sum[r][part], upper[r][part]);
-      }
+      for (std::size_t v = 0; v < Vectors; ++v) { sum[r][v] = hn::RearrangeToOddPlusEven(sum[r][v], upper[r][v]); }
     }
 #endif
   }
