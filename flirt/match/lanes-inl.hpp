@@ -59,6 +59,18 @@ HWY_INLINE float sum_over_row(std::size_t stride, const Term& term) {
   return sum_of_group(sum);
 }
 
+/// Bits of the 16 lanes of a group, from the masks of its vectors: mask(part).
+template <class Mask>
+HWY_INLINE std::uint16_t bits_of_group(const Mask& mask) {
+  std::uint32_t bits = 0;
+  for (std::size_t part = 0; part < parts; ++part) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(Floats{}, mask(part), bytes);
+    bits |= (std::uint32_t{bytes[0]} | (lanes > 8 ? std::uint32_t{bytes[1]} << 8U : 0U)) << (part * lanes);
+  }
+  return static_cast<std::uint16_t>(bits);
+}
+
 /// Symmetric χ², ½ Σ (p−q)²/(p+q). The smallest normal number turns 0/0 into 0 and vanishes in any other sum.
 HWY_INLINE float chi_square(const float* p_row, const float* q_row, std::size_t stride) {
   const Floats d;

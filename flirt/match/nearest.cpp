@@ -25,118 +25,152 @@ namespace {
 
 constexpr std::uint32_t rows_at_once = 4;
 
-/// Of each of 16 queries the largest product so far and its row: a first guess at the nearest.
-template <class Bound>
+constexpr std::size_t blocks_at_once = parts == 1 ? 2 : 1;  // as registers allow
+
+/// Of 16 queries a block the largest product so far and its row: a first guess at the nearest.
+template <class Bound, std::size_t Vectors>
 struct LargestProducts {
   using Tag = hn::Rebind<typename Bound::Product, Floats>;
   using Indices = hn::RebindToUnsigned<Floats>;
-  hn::Vec<Tag> product[parts];
-  hn::Vec<Indices> row[parts];
+  hn::Vec<Tag> product[Vectors];
+  hn::Vec<Indices> row[Vectors];
 };
 
-/// products[r · 16 + lane] for `Rows` rows from row `first`.
-template <std::size_t Rows, class Bound>
+/// products[(block · rows + r) · 16 + lane] for `Rows` rows from row `first`.
+template <std::size_t Rows, class Bound, std::size_t Vectors>
 HWY_INLINE void add_products(const typename Bound::Element* columns, const DescriptorRows& reference,
-                             std::uint32_t first, typename Bound::Product* products, LargestProducts<Bound>& largest) {
-  const typename LargestProducts<Bound>::Tag d;
-  const typename LargestProducts<Bound>::Indices indices;
+                             std::uint32_t first, typename Bound::Product* products,
+                             LargestProducts<Bound, Vectors>& largest) {
+  const typename LargestProducts<Bound, Vectors>::Tag d;
+  const typename LargestProducts<Bound, Vectors>::Indices indices;
   const std::size_t stride = Bound::stride(reference);
   // A few of these rows will be compared exactly, and which is known late: they are fetched while there is other work.
   const float* const rows = reference.rows + std::size_t{first} * reference.stride;
   for (std::size_t i = 0; i < Rows * reference.stride; i += 16) { hwy::Prefetch(rows + i); }
-  hn::Vec<decltype(d)> sum[Rows][parts];
+  hn::Vec<decltype(d)> sum[Rows][Vectors];
   Bound::multiply(columns, Bound::rows(reference) + first * stride, stride, sum);
   for (std::uint32_t r = 0; r < Rows; ++r) {
-    for (std::size_t part = 0; part < parts; ++part) {
-      hn::StoreU(sum[r][part], d, products + (first + r) * 16 + part * lanes);
-      const auto larger = hn::Gt(sum[r][part], largest.product[part]);
-      largest.product[part] = hn::IfThenElse(larger, sum[r][part], largest.product[part]);
-      largest.row[part] =
-          hn::IfThenElse(hn::RebindMask(indices, larger), hn::Set(indices, first + r), largest.row[part]);
+    for (std::size_t v = 0; v < Vectors; ++v) {
+      hn::StoreU(sum[r][v], d, products + (v / parts * reference.count + first + r) * 16 + v % parts * lanes);
+      const auto larger = hn::Gt(sum[r][v], largest.product[v]);
+      largest.product[v] = hn::IfThenElse(larger, sum[r][v], largest.product[v]);
+      largest.row[v] = hn::IfThenElse(hn::RebindMask(indices, larger), hn::Set(indices, first + r), largest.row[v]);
     }
   }
 }
 
-/// All products; guess[lane] is the row of the largest.
-template <class Bound>
+/// All products of so many blocks; guess[lane] is the row of the largest.
+template <class Bound, std::size_t Blocks>
 HWY_INLINE void all_products(const typename Bound::Element* columns, const DescriptorRows& reference,
-                             typename Bound::Product* products, std::uint32_t (&guess)[16]) {
-  const typename LargestProducts<Bound>::Tag d;
-  const typename LargestProducts<Bound>::Indices indices;
-  LargestProducts<Bound> largest;
-  for (std::size_t part = 0; part < parts; ++part) {
-    largest.product[part] = hn::Set(d, typename Bound::Product{-1});
-    largest.row[part] = hn::Zero(indices);
+                             typename Bound::Product* products, std::uint32_t (&guess)[16 * Blocks]) {
+  constexpr std::size_t vectors = Blocks * parts;
+  const typename LargestProducts<Bound, vectors>::Tag d;
+  const typename LargestProducts<Bound, vectors>::Indices indices;
+  LargestProducts<Bound, vectors> largest;
+  for (std::size_t v = 0; v < vectors; ++v) {
+    largest.product[v] = hn::Set(d, typename Bound::Product{-1});
+    largest.row[v] = hn::Zero(indices);
   }
-  std::uint32_t j = 0;
-  for (; j + rows_at_once <= reference.count; j += rows_at_once) {
-    add_products<rows_at_once>(columns, reference, j, products, largest);
+  if (reference.count < rows_at_once) {
+    for (std::uint32_t j = 0; j < reference.count; ++j) { add_products<1>(columns, reference, j, products, largest); }
+  } else {
+    for (std::uint32_t j = 0; j < reference.count; j += rows_at_once) {  // the last few rows perhaps twice
+      add_products<rows_at_once>(columns, reference, std::min(j, reference.count - rows_at_once), products, largest);
+    }
   }
-  for (; j < reference.count; ++j) { add_products<1>(columns, reference, j, products, largest); }
-  for (std::size_t part = 0; part < parts; ++part) { hn::StoreU(largest.row[part], indices, guess + part * lanes); }
+  for (std::size_t v = 0; v < vectors; ++v) { hn::StoreU(largest.row[v], indices, guess + v * lanes); }
 }
 
 /// Bits of the queries, lane by lane, whose product with the row of `products` exceeds `least`.
 template <class Product>
-HWY_INLINE std::uint64_t exceeding(const Product* products, const Product (&least)[16]) {
+HWY_INLINE std::uint16_t exceeding(const Product* products, const Product (&least)[16]) {
   const hn::Rebind<Product, Floats> d;
-  std::uint64_t bits = 0;
-  for (std::size_t part = 0; part < parts; ++part) {
-    const auto exceeds = hn::Gt(hn::LoadU(d, products + part * lanes), hn::LoadU(d, least + part * lanes));
-    std::uint8_t mask[8] = {};
-    hn::StoreMaskBits(d, exceeds, mask);
-    bits |= (static_cast<std::uint64_t>(mask[0]) | (lanes > 8 ? static_cast<std::uint64_t>(mask[1]) << 8U : 0U))
-            << (part * lanes);
-  }
-  return bits;
+  return bits_of_group([&](std::size_t part) HWY_ATTR {
+    return hn::RebindMask(Floats{}, hn::Gt(hn::LoadU(d, products + part * lanes), hn::LoadU(d, least + part * lanes)));
+  });
 }
 
-/// Nearest rows of up to 16 queries, `query` their first row, `columns` their roots or sketches side by side.
+/// Smaller for what is nearer, of equally near rows for the first. Distances are not negative, so that their bits
+/// are in their order.
+HWY_INLINE std::uint64_t key_of(Nearest nearest) {
+  return std::uint64_t{std::bit_cast<std::uint32_t>(nearest.distance)} << 32U | nearest.reference;
+}
+HWY_INLINE Nearest nearest_of(std::uint64_t key) {
+  return {static_cast<std::uint32_t>(key), std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32U))};
+}
+
+/// Nearest rows of up to 16 queries, `query` their first row, from the products of all rows and the row of the largest
+/// of each. Branches that depend on the data are few: nobody can foresee them.
 template <class Bound>
-HWY_INLINE void nearest_of_block(const typename Bound::Element* columns, const float* query, std::size_t queries,
-                                 const DescriptorRows& reference, float limit, typename Bound::Product* products,
-                                 Nearest* nearest) {
+HWY_INLINE void nearest_of_block(const float* query, std::size_t queries, const DescriptorRows& reference, float limit,
+                                 typename Bound::Product* products, const std::uint32_t* guess, Nearest* nearest) {
   using Product = typename Bound::Product;
   const std::size_t stride = reference.stride;
-  std::uint32_t guess[16];
-  all_products<Bound>(columns, reference, products, guess);
+  const auto compared = [&](std::size_t lane, std::uint32_t j) HWY_ATTR {
+    return key_of({j, chi_square(query + lane * stride, reference.rows + j * stride, stride)});
+  };
   Product least[16];
+  std::uint64_t keys[16];
   std::ranges::fill(least, std::numeric_limits<Product>::max());
   for (std::size_t lane = 0; lane < queries; ++lane) {
-    nearest[lane] = {reference.count, limit};
-    const std::uint32_t j = guess[lane];
-    Product& product = products[std::size_t{j} * 16 + lane];
-    if (product <= Bound::least_product(limit)) { continue; }
-    const float distance = chi_square(query + lane * stride, reference.rows + j * stride, stride);
-    if (distance < limit) { nearest[lane] = {j, distance}; }
-    least[lane] = Bound::least_product(nearest[lane].distance);
-    product = std::numeric_limits<Product>::lowest();  // done
+    keys[lane] = std::min(key_of({reference.count, limit}), compared(lane, guess[lane]));
+    least[lane] = Bound::least_product(nearest_of(keys[lane]).distance);
+    products[std::size_t{guess[lane]} * 16 + lane] = std::numeric_limits<Product>::lowest();  // done
   }
   for (std::uint32_t first = 0; first < reference.count; first += rows_at_once) {
     std::uint64_t bits = 0;
     const std::uint32_t rows = std::min<std::uint32_t>(rows_at_once, reference.count - first);
     for (std::uint32_t r = 0; r < rows; ++r) {
-      bits |= exceeding(products + (std::size_t{first} + r) * 16, least) << (16 * r);
+      bits |= std::uint64_t{exceeding(products + (std::size_t{first} + r) * 16, least)} << (16 * r);
     }
     for (; bits != 0; bits &= bits - 1) {
       const auto bit = static_cast<std::uint32_t>(std::countr_zero(bits));
-      const std::uint32_t j = first + bit / 16;
       const std::size_t lane = bit % 16;
-      const float distance = chi_square(query + lane * stride, reference.rows + j * stride, stride);
-      Nearest& known = nearest[lane];  // of equal distances the first; the guess may come from further behind
-      if (distance < known.distance || (distance == known.distance && j < known.reference)) { known = {j, distance}; }
+      keys[lane] = std::min(keys[lane], compared(lane, first + bit / 16));
     }
+  }
+  for (std::size_t lane = 0; lane < queries; ++lane) { nearest[lane] = nearest_of(keys[lane]); }
+}
+
+/// The same for so many blocks of 16, `columns` their roots or sketches side by side.
+template <class Bound, std::size_t Blocks>
+HWY_INLINE void nearest_of_blocks(const typename Bound::Element* columns, const float* query, std::size_t queries,
+                                  const DescriptorRows& reference, float limit, typename Bound::Product* products,
+                                  Nearest* nearest) {
+  std::uint32_t guess[16 * Blocks];
+  all_products<Bound, Blocks>(columns, reference, products, guess);
+  for (std::size_t first = 0; first < queries; first += 16) {
+    nearest_of_block<Bound>(query + first * reference.stride, std::min<std::size_t>(16, queries - first), reference,
+                            limit, products + first * reference.count, guess + first, nearest + first);
   }
 }
 
-void nearest_by_roots(const float* columns, const float* query, std::size_t queries, const DescriptorRows& reference,
-                      float limit, float* products, Nearest* nearest) {
-  nearest_of_block<RootProducts>(columns, query, queries, reference, limit, products, nearest);
+template <class Bound>
+HWY_INLINE void nearest_of_all(const typename Bound::Element* columns, const DescriptorRows& query,
+                               const DescriptorRows& reference, float limit, typename Bound::Product* products,
+                               Nearest* nearest) {
+  for (std::size_t first = 0; first < query.count;) {
+    const std::size_t left = query.count - first;
+    const auto* block = columns + first * Bound::stride(query);
+    const float* rows = query.rows + first * query.stride;
+    if (left <= 16) {
+      nearest_of_blocks<Bound, 1>(block, rows, left, reference, limit, products, nearest + first);
+      return;
+    }
+    const std::size_t queries = std::min(left, 16 * blocks_at_once);
+    nearest_of_blocks<Bound, blocks_at_once>(block, rows, queries, reference, limit, products, nearest + first);
+    first += queries;
+  }
 }
 
-void nearest_by_sketches(const std::int16_t* columns, const float* query, std::size_t queries,
-                         const DescriptorRows& reference, float limit, std::int32_t* products, Nearest* nearest) {
-  nearest_of_block<SketchProducts>(columns, query, queries, reference, limit, products, nearest);
+void nearest_by_roots(const float* columns, const DescriptorRows& query, const DescriptorRows& reference, float limit,
+                      float* products, Nearest* nearest) {
+  nearest_of_all<RootProducts>(columns, query, reference, limit, products, nearest);
+}
+
+void nearest_by_sketches(const std::int16_t* columns, const DescriptorRows& query, const DescriptorRows& reference,
+                         float limit, std::int32_t* products, Nearest* nearest) {
+  nearest_of_all<SketchProducts>(columns, query, reference, limit, products, nearest);
 }
 
 }  // namespace
@@ -189,25 +223,15 @@ std::span<const Nearest> NearestRows::search(const DescriptorRows& reference, fl
   }
   FLIRT_ASSERT(query_.count == 0 || query_.stride == reference.stride);
   FLIRT_ASSERT(is_normalised(reference));
-  const std::size_t products = std::size_t{reference.count} * 16;
-  const bool by_sketches = query_.sketches != nullptr && reference.sketches != nullptr;
-  if (by_sketches) {
+  const std::size_t products = std::size_t{reference.count} * 32;  // of two blocks at most
+  if (query_.sketches != nullptr && reference.sketches != nullptr) {
     sketch_products_.resize(std::max(sketch_products_.size(), products));
+    HWY_DYNAMIC_DISPATCH(nearest_by_sketches)
+    (sketch_columns_.data(), query_, reference, limit, sketch_products_.data(), nearest_.data());
   } else {
     root_products_.resize(std::max(root_products_.size(), products));
-  }
-  for (std::size_t first = 0; first < query_.count; first += 16) {
-    const std::size_t queries = std::min<std::size_t>(16, query_.count - first);
-    const float* rows = query_.rows + first * query_.stride;
-    if (by_sketches) {
-      HWY_DYNAMIC_DISPATCH(nearest_by_sketches)
-      (sketch_columns_.data() + first * sketch_size, rows, queries, reference, limit, sketch_products_.data(),
-       nearest_.data() + first);
-    } else {
-      HWY_DYNAMIC_DISPATCH(nearest_by_roots)
-      (root_columns_.data() + first * query_.stride, rows, queries, reference, limit, root_products_.data(),
-       nearest_.data() + first);
-    }
+    HWY_DYNAMIC_DISPATCH(nearest_by_roots)
+    (root_columns_.data(), query_, reference, limit, root_products_.data(), nearest_.data());
   }
   for (Nearest& nearest : nearest_) {
     if (!(nearest.distance < limit)) { nearest = {}; }

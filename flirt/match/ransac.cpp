@@ -3,7 +3,6 @@
 
 #include "flirt/core/assert.hpp"
 #include "flirt/core/rng.hpp"
-#include "flirt/match/rank.hpp"
 
 #include <algorithm>
 #include <array>
@@ -17,7 +16,6 @@ constexpr double chi_square_95_of_1 = 3.84;  ///< 95 % quantile, one degree of f
 constexpr double chi_square_95_of_2 = 5.99;  ///< 95 % quantile, two degrees of freedom: a position
 constexpr double shortest_segment = 1e-3;    ///< m; two keypoints closer than this have no direction
 constexpr int most_refinements = 10;
-constexpr std::size_t most_ranked = 64;  ///< candidates that are cheaper to rank than to sort
 
 PairLimits limits_of(const RansacParams& params) {
   const bool any_turn = params.max_turn_difference >= std::numbers::pi;
@@ -72,7 +70,7 @@ std::optional<PairAlignment> Ransac::align(const KeypointColumns& reference, std
   best_.inliers.clear();
   best_.points.clear();
   prepare(reference, candidates);
-  if (sorted_.size() < 2) { return std::nullopt; }
+  if (usable_.size() < 2) { return std::nullopt; }
 
   const float cost_of_nothing = limit_ * static_cast<float>(query_.size());
   best_cost_ = cost_of_nothing;
@@ -92,8 +90,9 @@ Eigen::Matrix3d Ransac::covariance() const {
   return rigid_covariance(best_.points, best_.reference_from_query, deviation);
 }
 
-/// The usable candidates into sorted_, by descriptor distance.
-void Ransac::sort(const KeypointColumns& reference, std::span<const Match> candidates) {
+/// The candidates whose keypoints are in sight into usable_, each once; by descriptor distance, unless all their pairs
+/// will be tried, where the order only decides between equally good ones (see try_all).
+void Ransac::choose(const KeypointColumns& reference, std::span<const Match> candidates) {
   usable_.clear();
   bool in_order = true;  // of query, then of reference, each pair once: as a matcher returns them
   for (const Match& match : candidates) {
@@ -102,25 +101,18 @@ void Ransac::sort(const KeypointColumns& reference, std::span<const Match> candi
     in_order = in_order && (usable_.empty() || comes_before(usable_.back(), match));
     usable_.push_back(match);
   }
-  if (!in_order || usable_.size() > most_ranked) {
-    sorted_ = usable_;
-    std::ranges::sort(sorted_, is_better);
-    sorted_.erase(std::ranges::unique(sorted_, is_same_pair).begin(), sorted_.end());
-    return;
-  }
-  std::array<float, most_ranked> distances{};
-  std::array<std::uint32_t, most_ranked> ranks{};
-  for (std::size_t i = 0; i < usable_.size(); ++i) { distances[i] = usable_[i].distance; }
-  rank_ascending(distances, usable_.size(), ranks);
-  sorted_.resize(usable_.size());
-  for (std::size_t i = 0; i < usable_.size(); ++i) { sorted_[ranks[i]] = usable_[i]; }
+  const bool all_pairs = params_.sampling == Sampling::exhaustive && params_.inlier_rule == InlierRule::nearest_point &&
+                         usable_.size() * usable_.size() / 2 <= params_.max_samples;
+  if (in_order && all_pairs) { return; }
+  std::ranges::sort(usable_, is_better);
+  usable_.erase(std::ranges::unique(usable_, is_same_pair).begin(), usable_.end());
 }
 
 void Ransac::prepare(const KeypointColumns& reference, std::span<const Match> candidates) {
-  sort(reference, candidates);
-  candidates_.resize(sorted_.size());
-  for (std::size_t i = 0; i < sorted_.size(); ++i) {
-    const Match& match = sorted_[i];
+  choose(reference, candidates);
+  candidates_.resize(usable_.size());
+  for (std::size_t i = 0; i < usable_.size(); ++i) {
+    const Match& match = usable_[i];
     candidates_.query_x[i] = query_.x[match.query];
     candidates_.query_y[i] = query_.y[match.query];
     candidates_.reference_x[i] = reference.x[match.reference];
@@ -133,33 +125,48 @@ void Ransac::prepare(const KeypointColumns& reference, std::span<const Match> ca
 /// Pairs of candidates drawn at random; a pair that no rigid motion explains counts as a draw, as in the papers' count.
 void Ransac::try_random(const KeypointColumns& reference) {
   Rng rng(params_.seed);
-  const auto count = static_cast<std::uint32_t>(sorted_.size());
+  const auto count = static_cast<std::uint32_t>(usable_.size());
   for (std::uint32_t iteration = 0; iteration < iterations_; ++iteration) {
     const std::uint32_t i = rng.below(count);
     const std::uint32_t other = rng.below(count - 1);
     const std::uint32_t j = other < i ? other : other + 1;
-    if (is_rigid_pair(candidates_, i, j, pair_limits_)) { try_pair(reference, i, j); }
+    if (!is_rigid_pair(candidates_, i, j, pair_limits_)) { continue; }
+    const Motion motion = motion_of_segment(candidates_, i, j);
+    const float cost = cost_of(motion, reference);
+    if (cost < best_cost_) {
+      best_cost_ = cost;
+      best_motion_ = motion;
+    }
   }
 }
 
-/// All pairs by the worse of their two descriptor distances.
+/// All pairs by the worse of their two descriptor distances; of equally good ones the first in that order.
 void Ransac::try_all(const KeypointColumns& reference) {
-  partners_.resize(std::max(partners_.size(), candidates_.query_x.size()));
-  std::uint64_t samples = 0;
-  for (std::uint32_t j = 1; j < sorted_.size() && samples < params_.max_samples; ++j) {
-    const std::size_t found = rigid_partners(candidates_, j, pair_limits_, partners_);
-    for (std::size_t k = 0; k < found; ++k) { try_pair(reference, partners_[k], j); }
-    samples += j;
+  std::size_t count = 1;
+  std::size_t samples = 0;
+  while (count < usable_.size() && samples < params_.max_samples) { samples += count++; }
+  rigid_pairs(candidates_, count, pair_limits_, pairs_);
+  CandidatePair best{};
+  for (const CandidatePair& pair : pairs_.pairs) {
+    const Motion motion = motion_of_segment(candidates_, pair.i, pair.j);
+    const float cost = cost_of(motion, reference);
+    if (cost < best_cost_ || (cost == best_cost_ && comes_first(pair, best))) {
+      best = pair;
+      best_cost_ = cost;
+      best_motion_ = motion;
+    }
   }
 }
 
-void Ransac::try_pair(const KeypointColumns& reference, std::uint32_t i, std::uint32_t j) {
-  const Motion motion = motion_of_segment(candidates_, i, j);
-  const float cost = cost_of(motion, reference);
-  if (cost < best_cost_) {
-    best_cost_ = cost;
-    best_motion_ = motion;
-  }
+bool Ransac::comes_first(const CandidatePair& a, const CandidatePair& b) const {
+  const auto worse_and_better = [&](const CandidatePair& pair) {
+    const Match& i = usable_[pair.i];
+    const Match& j = usable_[pair.j];
+    return is_better(i, j) ? std::pair(j, i) : std::pair(i, j);
+  };
+  const auto [worse_a, better_a] = worse_and_better(a);
+  const auto [worse_b, better_b] = worse_and_better(b);
+  return is_better(worse_a, worse_b) || (!is_better(worse_b, worse_a) && is_better(better_a, better_b));
 }
 
 /// m², truncated squared distances summed over all query keypoints.
@@ -176,7 +183,7 @@ float Ransac::cost_of(const Motion& reference_from_query, const KeypointColumns&
 /// Leaves in near_candidates_ the candidates within the limit, nearest first, no keypoint used twice.
 void Ransac::pair_one_to_one(const Motion& reference_from_query, std::size_t references) {
   near_candidates_.clear();
-  for (std::uint32_t i = 0; i < sorted_.size(); ++i) {
+  for (std::uint32_t i = 0; i < usable_.size(); ++i) {
     const float squared = squared_distance_after(reference_from_query, candidates_, i);
     if (squared < limit_) { near_candidates_.emplace_back(squared, i); }
   }
@@ -184,7 +191,7 @@ void Ransac::pair_one_to_one(const Motion& reference_from_query, std::size_t ref
   query_taken_.assign(query_.size(), false);
   reference_taken_.assign(references, false);
   std::erase_if(near_candidates_, [&](const auto& near_candidate) {
-    const Match& match = sorted_[near_candidate.second];
+    const Match& match = usable_[near_candidate.second];
     if (query_taken_[match.query] || reference_taken_[match.reference]) { return true; }
     query_taken_[match.query] = true;
     reference_taken_[match.reference] = true;
@@ -212,13 +219,17 @@ void Ransac::evaluate(const Pose2& reference_from_query, const KeypointColumns& 
   if (params_.inlier_rule == InlierRule::nearest_point) {
     nearest_points(motion, scored_query_, reference, nearest_, squared_);
     const float farthest = farthest_inlier(motion);
-    for (std::uint32_t i = 0; i < query_.size(); ++i) {
-      if (squared_[i] < farthest) { support.inliers.push_back({i, nearest_[i]}); }
+    support.inliers.resize(query_.size());
+    std::size_t count = 0;
+    for (std::uint32_t i = 0; i < query_.size(); ++i) {  // which are near can't be foreseen: no branch
+      support.inliers[count] = {i, nearest_[i]};
+      count += squared_[i] < farthest ? 1 : 0;
     }
+    support.inliers.resize(count);
   } else {
     pair_one_to_one(motion, reference.size());
     for (const auto& [squared, candidate] : near_candidates_) {
-      support.inliers.push_back({sorted_[candidate].query, sorted_[candidate].reference});
+      support.inliers.push_back({usable_[candidate].query, usable_[candidate].reference});
     }
     std::ranges::sort(support.inliers, {}, &IndexPair::query);
   }
@@ -246,6 +257,7 @@ void Ransac::refine(const KeypointColumns& reference) {
     evaluate(*reference_from_query, reference, refined_);
     if (!(refined_.residual < best_.residual)) { return; }
     std::swap(best_, refined_);
+    if (best_.inliers == refined_.inliers) { return; }  // whose fit this is: the next one would be the same
   }
 }
 

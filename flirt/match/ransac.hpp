@@ -122,11 +122,11 @@ class Ransac {
     std::vector<PointPair> points{};  ///< of the inliers
   };
 
-  void sort(const KeypointColumns& reference, std::span<const Match> candidates);
+  void choose(const KeypointColumns& reference, std::span<const Match> candidates);
   void prepare(const KeypointColumns& reference, std::span<const Match> candidates);
   void try_random(const KeypointColumns& reference);
   void try_all(const KeypointColumns& reference);
-  void try_pair(const KeypointColumns& reference, std::uint32_t i, std::uint32_t j);
+  [[nodiscard]] bool comes_first(const CandidatePair& a, const CandidatePair& b) const;
   [[nodiscard]] float cost_of(const Motion& reference_from_query, const KeypointColumns& reference);
   void pair_one_to_one(const Motion& reference_from_query, std::size_t references);
   [[nodiscard]] float farthest_inlier(const Motion& reference_from_query) const;
@@ -141,9 +141,8 @@ class Ransac {
   KeypointColumns query_{};
   ScoredPoints scored_query_{};
   std::vector<Match> usable_{};  ///< candidates whose keypoints are in sight
-  std::vector<Match> sorted_{};  ///< usable candidates by descriptor distance
   CandidateColumns candidates_{};
-  std::vector<std::uint32_t> partners_{};
+  RigidPairs pairs_{};
   std::vector<std::uint32_t> nearest_{};                            ///< reference keypoint of each query keypoint
   std::vector<float> squared_{};                                    ///< m², distance to it
   std::vector<std::pair<float, std::uint32_t>> near_candidates_{};  ///< one-to-one: squared distance and candidate

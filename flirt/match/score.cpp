@@ -108,9 +108,9 @@ void fill_turns(CandidateColumns& c) {
   }
 }
 
-/// Bits of the candidates [first, first + lanes) that may move together with candidate j.
-HWY_INLINE std::uint32_t rigid_bits(const CandidateColumns& c, std::size_t j, const PairLimits& limits,
-                                    std::size_t first) {
+/// Which of the candidates [first, first + lanes) may move together with candidate j.
+HWY_INLINE hn::Mask<Floats> are_rigid(const CandidateColumns& c, std::size_t j, const PairLimits& limits,
+                                      std::size_t first) {
   const Floats d;
   const auto query_x = hn::Sub(hn::LoadU(d, c.query_x.data() + first), hn::Set(d, c.query_x[j]));
   const auto query_y = hn::Sub(hn::LoadU(d, c.query_y.data() + first), hn::Set(d, c.query_y[j]));
@@ -127,29 +127,25 @@ HWY_INLINE std::uint32_t rigid_bits(const CandidateColumns& c, std::size_t j, co
   // The segment's turn, as a complex number of length d1·d2, against the turns of both keypoints.
   const auto turn_x = hn::Add(hn::Mul(query_x, reference_x), hn::Mul(query_y, reference_y));
   const auto turn_y = hn::Sub(hn::Mul(query_x, reference_y), hn::Mul(query_y, reference_x));
-  const auto least = hn::Mul(hn::Set(d, limits.turn_cosine), hn::Sqrt(hn::Mul(query_squared, reference_squared)));
   const auto with_i = hn::Add(hn::Mul(turn_x, hn::LoadU(d, c.turn_cosine.data() + first)),
                               hn::Mul(turn_y, hn::LoadU(d, c.turn_sine.data() + first)));
   const auto with_j =
       hn::Add(hn::Mul(turn_x, hn::Set(d, c.turn_cosine[j])), hn::Mul(turn_y, hn::Set(d, c.turn_sine[j])));
-  rigid = hn::And(rigid, hn::Ge(hn::Min(with_i, with_j), least));
-
-  std::uint8_t mask[8] = {};
-  hn::StoreMaskBits(d, rigid, mask);
-  return static_cast<std::uint32_t>(mask[0]) | (lanes > 8 ? static_cast<std::uint32_t>(mask[1]) << 8U : 0U);
+  const auto least = hn::Mul(hn::Set(d, limits.turn_cosine), hn::Sqrt(hn::Mul(query_squared, reference_squared)));
+  return hn::And(rigid, hn::Ge(hn::Min(with_i, with_j), least));
 }
 
-std::size_t rigid_partners(const CandidateColumns& candidates, std::size_t j, const PairLimits& limits,
-                           std::uint32_t* partners) {
-  std::size_t found = 0;
-  for (std::size_t first = 0; first < j; first += lanes) {
-    std::uint32_t bits = rigid_bits(candidates, j, limits, first);
-    if (j - first < lanes) { bits &= (1U << (j - first)) - 1U; }
-    for (; bits != 0; bits &= bits - 1) {
-      partners[found++] = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(std::countr_zero(bits));
+/// Bit i of row j, rows of `groups` · 16 bits. No branch here depends on what is found.
+void mark_rigid_pairs(const CandidateColumns& candidates, std::size_t count, const PairLimits& limits,
+                      std::size_t groups, std::uint16_t* bits) {
+  for (std::size_t j = 1; j < count; ++j) {
+    for (std::size_t group = 0; group * 16 < j; ++group) {
+      const std::uint16_t rigid = bits_of_group(
+          [&](std::size_t part) HWY_ATTR { return are_rigid(candidates, j, limits, group * 16 + part * lanes); });
+      const std::uint32_t before_j = j - group * 16 < 16 ? (1U << (j - group * 16)) - 1U : 0xFFFFU;
+      bits[j * groups + group] = static_cast<std::uint16_t>(rigid & before_j);
     }
   }
-  return found;
 }
 
 }  // namespace
@@ -162,7 +158,7 @@ namespace {
 
 HWY_EXPORT(truncated_cost);
 HWY_EXPORT(nearest_points);
-HWY_EXPORT(rigid_partners);
+HWY_EXPORT(mark_rigid_pairs);
 HWY_EXPORT(fill_turns);
 
 std::size_t padded(std::size_t count) {
@@ -231,10 +227,22 @@ void fill_turns(CandidateColumns& candidates) {
   HWY_DYNAMIC_DISPATCH(fill_turns)(candidates);
 }
 
-std::size_t rigid_partners(const CandidateColumns& candidates, std::size_t j, const PairLimits& limits,
-                           std::span<std::uint32_t> partners) {
-  FLIRT_ASSERT(j < candidates.count && partners.size() >= padded(j));
-  return HWY_DYNAMIC_DISPATCH(rigid_partners)(candidates, j, limits, partners.data());
+void rigid_pairs(const CandidateColumns& candidates, std::size_t count, const PairLimits& limits, RigidPairs& pairs) {
+  FLIRT_ASSERT(count <= candidates.count);
+  const std::size_t groups = padded(count) / 16;
+  const std::size_t words = (count * groups + 3) / 4;
+  pairs.bits.assign(4 * words, 0);
+  HWY_DYNAMIC_DISPATCH(mark_rigid_pairs)(candidates, count, limits, groups, pairs.bits.data());
+  pairs.pairs.clear();
+  for (std::size_t word = 0; word < words; ++word) {
+    std::uint64_t bits = 0;
+    for (std::size_t k = 0; k < 4; ++k) { bits |= std::uint64_t{pairs.bits[4 * word + k]} << (16 * k); }
+    for (; bits != 0; bits &= bits - 1) {
+      const std::size_t bit = 64 * word + static_cast<std::size_t>(std::countr_zero(bits));
+      pairs.pairs.push_back(
+          {static_cast<std::uint32_t>(bit % (16 * groups)), static_cast<std::uint32_t>(bit / (16 * groups))});
+    }
+  }
 }
 
 bool is_rigid_pair(const CandidateColumns& candidates, std::size_t i, std::size_t j, const PairLimits& limits) {

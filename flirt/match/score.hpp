@@ -63,10 +63,22 @@ struct PairLimits {
   float turn_cosine{-2};      ///< cosine of the largest angle between the segment's turn and a keypoint's; −2: any
 };
 
-/// The candidates i < j that may move together with candidate j, in rising order, written to `partners` (room for j
-/// rounded up to 16). Returns their number. O(j).
-std::size_t rigid_partners(const CandidateColumns& candidates, std::size_t j, const PairLimits& limits,
-                           std::span<std::uint32_t> partners);
+/// Two candidates, i < j.
+struct CandidatePair {
+  std::uint32_t i{0};
+  std::uint32_t j{0};
+
+  friend bool operator==(const CandidatePair&, const CandidatePair&) = default;
+};
+
+/// Pairs that may move together.
+struct RigidPairs {
+  std::vector<CandidatePair> pairs;
+  std::vector<std::uint16_t> bits;  ///< workspace
+};
+
+/// The pairs among the first `count` candidates that may move together, by j, then by i. O(count²).
+void rigid_pairs(const CandidateColumns& candidates, std::size_t count, const PairLimits& limits, RigidPairs& pairs);
 
 /// The same test for one pair, i ≠ j.
 [[nodiscard]] bool is_rigid_pair(const CandidateColumns& candidates, std::size_t i, std::size_t j,

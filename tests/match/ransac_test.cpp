@@ -254,6 +254,25 @@ TEST(Ransac, MaxSamplesBoundsTheSearchToTheBestCandidates) {
       << "the 15 pairs of the six closest are all wrong";
 }
 
+TEST(Ransac, OfEquallyGoodMotionsTakesThatOfTheNearerDescriptorsInWhateverOrderTheyCome) {
+  Features query;
+  Features reference;
+  for (const double x : {0.0, 1.0}) { query.keypoints.push_back({.sensor_from_keypoint = {x, 0, 0}}); }
+  for (const double x : {0.0, 1.0, 16.0, 17.0}) { reference.keypoints.push_back({.sensor_from_keypoint = {x, 0, 0}}); }
+  Rng rng(17);
+  query.descriptors = test::random_descriptors(rng, 2, 48);
+  reference.descriptors = test::random_descriptors(rng, 4, 48);
+  for (const bool far_is_nearer : {false, true}) {  // far away, but of nearer descriptors
+    const float far = far_is_nearer ? 0.1F : 0.3F;
+    std::vector<Match> matches{{0, 0, 0.2F}, {0, 2, far}, {1, 1, 0.2F}, {1, 3, far}};
+    for (const std::uint32_t samples : {1U, 5000U}) {  // with so few the order of descriptors is that of the search
+      const auto found = align(query, reference, matches, {.max_samples = samples, .min_inliers = 2});
+      ASSERT_TRUE(found);
+      EXPECT_EQ(found->reference_from_query, (Pose2{far_is_nearer ? 16.0 : 0.0, 0.0, 0.0}));
+    }
+  }
+}
+
 TEST(Ransac, TurnCheckRejectsKeypointsThatPointElsewhere) {
   Rng rng(17);
   test::Scene scene = test::random_scene(rng, {.right = 8});

@@ -124,36 +124,61 @@ bool may_be_rigid(const CandidateColumns& c, std::size_t i, std::size_t j, const
   return change * change / (8.0 * sum) <= limits.length_change && agrees(i) && agrees(j);
 }
 
-TEST(RigidPartners, AreThoseThatKeepLengthAndTurn) {
+TEST(RigidPairs, AreThoseThatKeepLengthAndTurnByTheirLaterCandidate) {
   Rng rng(5);
-  int partners = 0;
-  for (const std::size_t count : {2U, 9U, 16U, 50U}) {
+  std::size_t found = 0;
+  RigidPairs pairs;
+  for (const std::size_t count : {2U, 9U, 16U, 17U, 50U}) {
     const CandidateColumns candidates = random_candidates(rng, count);
     for (const PairLimits limits : {PairLimits{0.0384F, 1e-6F, -2.0F}, PairLimits{0.1F, 1e-6F, 0.3F}}) {
-      for (std::size_t j = 0; j < count; ++j) {
-        std::vector<std::uint32_t> found((count + 15) / 16 * 16);
-        found.resize(rigid_partners(candidates, j, limits, found));
-        partners += static_cast<int>(found.size());
+      rigid_pairs(candidates, count, limits, pairs);
+      std::vector<CandidatePair> expected;
+      for (std::uint32_t j = 0; j < count; ++j) {
         for (std::uint32_t i = 0; i < j; ++i) {
-          const bool listed = std::ranges::find(found, i) != found.end();
-          EXPECT_EQ(listed, may_be_rigid(candidates, i, j, limits));
-          EXPECT_EQ(listed, is_rigid_pair(candidates, i, j, limits));
+          EXPECT_EQ(may_be_rigid(candidates, i, j, limits), is_rigid_pair(candidates, i, j, limits));
+          if (is_rigid_pair(candidates, i, j, limits)) { expected.push_back({i, j}); }
         }
-        EXPECT_TRUE(std::ranges::is_sorted(found));
       }
+      EXPECT_EQ(pairs.pairs, expected);
+      found += pairs.pairs.size();
     }
   }
-  EXPECT_GT(partners, 20);
+  EXPECT_GT(found, 20U);
 }
 
-TEST(RigidPartners, LeaveOutSegmentsWithoutDirection) {
+TEST(RigidPairs, KnowNoneAmongFewerThanTwoCandidates) {
+  Rng rng(8);
+  const CandidateColumns candidates = random_candidates(rng, 20);
+  RigidPairs pairs{{{0, 1}}, {}};
+  rigid_pairs(candidates, 1, {0.0384F, 1e-6F, -2.0F}, pairs);
+  EXPECT_TRUE(pairs.pairs.empty());
+}
+
+TEST(RigidPairs, LeaveOutSegmentsWithoutDirection) {
   CandidateColumns candidates;
   candidates.resize(2);
   candidates.query_x[1] = 0.5e-3F;
   candidates.reference_x[1] = 0.5e-3F;
-  std::vector<std::uint32_t> found(16);
-  EXPECT_EQ(rigid_partners(candidates, 1, {0.04F, 1e-6F, -2.0F}, found), 0U);
-  EXPECT_EQ(rigid_partners(candidates, 1, {0.04F, 1e-8F, -2.0F}, found), 1U);
+  RigidPairs pairs;
+  rigid_pairs(candidates, 2, {0.04F, 1e-6F, -2.0F}, pairs);
+  EXPECT_EQ(pairs.pairs.size(), 0U);
+  rigid_pairs(candidates, 2, {0.04F, 1e-8F, -2.0F}, pairs);
+  EXPECT_EQ(pairs.pairs.size(), 1U);
+}
+
+TEST(MotionOfSegment, IsTheSameFromEitherEnd) {
+  Rng rng(9);
+  const CandidateColumns c = random_candidates(rng, 16);
+  for (std::size_t i = 0; i < 16; ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const Motion forth = motion_of_segment(c, i, j);
+      const Motion back = motion_of_segment(c, j, i);
+      EXPECT_EQ(forth.cosine, back.cosine);
+      EXPECT_EQ(forth.sine, back.sine);
+      EXPECT_EQ(forth.x, back.x);
+      EXPECT_EQ(forth.y, back.y);
+    }
+  }
 }
 
 TEST(MotionOfSegment, MapsMiddleAndDirection) {
