@@ -54,18 +54,6 @@ struct RootProducts {
 
 #if HWY_TARGET != HWY_SCALAR
 using IntegerPairs = hn::Repartition<std::int16_t, Integers>;
-
-/// Adds the two products of each pair to `sum`, or elsewhere to `upper`.
-HWY_INLINE hn::Vec<Integers> add_products_of_pairs(hn::Vec<IntegerPairs> a, hn::Vec<IntegerPairs> b,
-                                                   hn::Vec<Integers> sum, [[maybe_unused]] hn::Vec<Integers>& upper) {
-#if HWY_TARGET == HWY_AVX3_DL
-  // One instruction, which Highway 1.0 lacks, as it lacks the target "avx512vnni" that the intrinsic asks for.
-  asm("vpdpwssd %2, %1, %0" : "+v"(sum.raw) : "v"(a.raw), "v"(b.raw));
-  return sum;
-#else
-  return hn::ReorderWidenMulAccumulate(Integers{}, a, b, sum, upper);
-#endif
-}
 #endif
 
 /// Dot products of the sketches, in integers.
@@ -111,7 +99,7 @@ struct SketchProducts {
         std::memcpy(&two, rows + r * stride + k, sizeof two);
         const auto both = hn::BitCast(pairs, hn::Set(d, two));
         for (std::size_t v = 0; v < Vectors; ++v) {
-          sum[r][v] = add_products_of_pairs(column[v], both, sum[r][v], upper[r][v]);
+          sum[r][v] = hn::ReorderWidenMulAccumulate(d, column[v], both, sum[r][v], upper[r][v]);
         }
       }
     }
