@@ -44,6 +44,13 @@ std::vector<SurfacePoints> LoopCloser::query_scans(std::span<const SlamScan> sca
   return query;
 }
 
+/// Whether a place was left long ago: some way, and many scans or a long way.
+bool LoopCloser::is_earlier(std::size_t node) const {
+  const double way = travel_.back() - travel_[node];
+  const bool many_scans = node + params_.loop_min_scans < travel_.size();
+  return way >= params_.loop_min_travel && (many_scans || way >= params_.global_min_travel);
+}
+
 /// Brings the map of earlier scans up to date: those near the robot, where they are now. False when there are none.
 bool LoopCloser::gather(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, const Pose2& around,
                         double radius) {
@@ -58,8 +65,7 @@ bool LoopCloser::gather(std::span<const SlamScan> scans, std::span<const Pose2> 
     if (!stays) { map_.remove(scans[placed.node].points, placed.map_from_node); }
     return !stays;
   });
-  for (std::size_t node = 0; node + params_.loop_min_scans < map_from_node.size(); ++node) {
-    if (travel_.back() - travel_[node] < params_.loop_min_travel) { break; }
+  for (std::size_t node = 0; node < map_from_node.size() && is_earlier(node); ++node) {
     if (distance(map_from_node[node], around) >= radius || scans[node].points.size() == 0) { continue; }
     const bool known = std::ranges::any_of(placed_, [&](const Placed& placed) {
       return placed.node == node || same_place(placed.map_from_node, map_from_node[node], spacing, same_way);

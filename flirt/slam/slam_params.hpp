@@ -70,7 +70,7 @@ struct SlamParams {
 
   double loop_every{0.7};             ///< m of travel between queries for earlier visits
   double loop_min_travel{12};         ///< m of travel after which a place counts as visited earlier
-  std::uint32_t loop_min_scans{40};   ///< scans after which a place counts as visited earlier
+  std::uint32_t loop_min_scans{40};   ///< scans after which it does, or `global_min_travel` of way
   double loop_query_travel{3};        ///< m of travel whose scans are moved together
   std::uint32_t loop_query_scans{6};  ///< scans that are moved together
   double loop_extent{0.8};            ///< m, half width of the search, and
@@ -91,7 +91,7 @@ struct SlamParams {
   double global_every{6};             ///< m of travel between such searches, at least, and
   double global_every_growth{0.3};    ///< m per m of travel since the last closure; but only
   double global_agree_travel{1.5};    ///< m once one found something
-  double global_min_travel{20};       ///< m of travel after which scans take part in that map
+  double global_min_travel{20};       ///< m of travel after which scans take part in that map, and in all closures
   double global_forget_travel{12};    ///< m of travel after which a place found no longer confirms others
   std::uint32_t global_agreeing{3};   ///< places found that must agree
   std::uint32_t polish_rounds{3};     ///< rounds of joint alignment of all scans at the end
