@@ -215,8 +215,9 @@ std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::
   const std::size_t node = scans.size() - 1;
   const double travel = travel_.back();
   const double since = travel - last_closure_;
-  const double every = waiting_anywhere_.empty() ? std::max(params_.global_every, params_.global_every_growth * since)
-                                                 : params_.global_agree_travel;
+  const double growth = unseen_ > 0 ? 0 : params_.global_every_growth;  // what was seen has hardly drifted
+  const double every =
+      waiting_anywhere_.empty() ? std::max(params_.global_every, growth * since) : params_.global_agree_travel;
   if (since < params_.global_after || travel - last_search_ < every) { return {}; }
   const auto first_recent = std::ranges::upper_bound(travel_, travel - params_.global_min_travel);
   const auto earlier = static_cast<std::size_t>(first_recent - travel_.begin());

@@ -18,10 +18,6 @@ double way(const Pose2& motion) {
   return norm(motion.translation()) + 0.5 * std::abs(motion.theta);
 }
 
-bool same_place(const Pose2& a, const Pose2& b) {
-  return distance(a, b) < 0.1 && heading_difference(a, b) < radians_from_degrees(5);
-}
-
 }  // namespace
 
 bool ScanFrontEnd::uses_odometry(const SlamScan& scan) const {
@@ -118,11 +114,7 @@ std::pair<ScanFrontEnd::Judged, MotionSource> ScanFrontEnd::best_pose(const Slam
   const bool far_apart = !odometry && extent > params_.wide_extent;
   const double doubtful = far_apart ? params_.suspect_score : params_.usable_score;
   if (best.first.score >= doubtful) { return best; }
-  // In the same place the keypoints confirm the scan's own answer, and know no better where in it.
-  const Judged by_keypoints = match_keypoints(scan, prediction);
-  if (!same_place(by_keypoints.local_from_robot, best.first.local_from_robot)) {
-    take_better(by_keypoints, MotionSource::wide);
-  }
+  take_better(match_keypoints(scan, prediction), MotionSource::wide);
   if (best.first.score >= doubtful || !far_apart) { return best; }
   take_better(search(scan.points, prediction, extent, turn), MotionSource::wide);
   return best;

@@ -89,7 +89,7 @@ struct SlamParams {
   double loop_sure_travel{6};         ///< m of travel over which the same displacement has to be found
   double global_after{30};            ///< m of travel without a closure after which the whole map is searched (auto)
   double global_every{6};             ///< m of travel between such searches, at least, and
-  double global_every_growth{0.3};    ///< m per m of travel since the last closure; but only
+  double global_every_growth{0.3};    ///< m per m of travel since the last closure, if all of it was seen; but only
   double global_agree_travel{1.5};    ///< m once one found something
   double global_min_travel{20};       ///< m of travel after which scans take part in that map, and in all closures
   double global_forget_travel{12};    ///< m of travel after which a place found no longer confirms others
