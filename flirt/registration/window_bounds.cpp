@@ -18,6 +18,11 @@ void take_maximum(std::uint8_t* into, const std::uint8_t* other, std::size_t n) 
   for (std::size_t i = 0; i < n; ++i) { into[i] = into[i] < other[i] ? other[i] : into[i]; }
 }
 
+/// A loop that compilers turn into vectors.
+void copy_every_fourth(const std::uint8_t* from, std::uint8_t* to, std::size_t n) {
+  for (std::size_t i = 0; i < n; ++i) { to[i] = from[i * WindowBounds::tile_side]; }
+}
+
 /// The largest of each four neighbours in a row of the map.
 void largest_in_row(const LocalMap& map, CellIndex first, std::vector<std::uint8_t>& row) {
   for (std::size_t x = 0; x < row.size(); x += LocalMap::row_length) {
@@ -50,7 +55,7 @@ WindowBounds::WindowBounds(const LocalMap& map, CellIndex middle, std::int32_t r
     best = newest[0];
     for (std::size_t k = 1; k < tile_side; ++k) { take_maximum(best.data(), newest.at(k).data(), best.size()); }
     std::uint8_t* row = largest_.data() + (y + 1 - tile_side) * in_row;
-    for (std::size_t x = 0; x < in_row; ++x) { row[x % tile_side * stride_ + x / tile_side] = best[x]; }
+    for (std::size_t k = 0; k < tile_side; ++k) { copy_every_fourth(best.data() + k, row + k * stride_, stride_); }
   }
 }
 

@@ -44,6 +44,13 @@ std::vector<SurfacePoints> LoopCloser::query_scans(std::span<const SlamScan> sca
   return query;
 }
 
+/// Whether a place was left long ago: some way, and many scans or a long way.
+bool LoopCloser::is_earlier(std::size_t node) const {
+  const double way = travel_.back() - travel_[node];
+  const bool many_scans = node + params_.loop_min_scans < travel_.size();
+  return way >= params_.loop_min_travel && (many_scans || way >= params_.global_min_travel);
+}
+
 /// Brings the map of earlier scans up to date: those near the robot, where they are now. False when there are none.
 bool LoopCloser::gather(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, const Pose2& around,
                         double radius) {
@@ -58,8 +65,7 @@ bool LoopCloser::gather(std::span<const SlamScan> scans, std::span<const Pose2> 
     if (!stays) { map_.remove(scans[placed.node].points, placed.map_from_node); }
     return !stays;
   });
-  for (std::size_t node = 0; node + params_.loop_min_scans < map_from_node.size(); ++node) {
-    if (travel_.back() - travel_[node] < params_.loop_min_travel) { break; }
+  for (std::size_t node = 0; node < map_from_node.size() && is_earlier(node); ++node) {
     if (distance(map_from_node[node], around) >= radius || scans[node].points.size() == 0) { continue; }
     const bool known = std::ranges::any_of(placed_, [&](const Placed& placed) {
       return placed.node == node || same_place(placed.map_from_node, map_from_node[node], spacing, same_way);
@@ -208,8 +214,11 @@ std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::
   const double turn = radians_from_degrees(6);
   const std::size_t node = scans.size() - 1;
   const double travel = travel_.back();
-  const double every = waiting_anywhere_.empty() ? params_.global_every : params_.global_agree_travel;
-  if (travel - last_closure_ < params_.global_after || travel - last_search_ < every) { return {}; }
+  const double since = travel - last_closure_;
+  const double growth = unseen_ > 0 ? 0 : params_.global_every_growth;  // what was seen has hardly drifted
+  const double every =
+      waiting_anywhere_.empty() ? std::max(params_.global_every, growth * since) : params_.global_agree_travel;
+  if (since < params_.global_after || travel - last_search_ < every) { return {}; }
   const auto first_recent = std::ranges::upper_bound(travel_, travel - params_.global_min_travel);
   const auto earlier = static_cast<std::size_t>(first_recent - travel_.begin());
   if (!places_.update(scans, map_from_node, earlier, most_placed)) { return {}; }  // the rest when asked next

@@ -49,6 +49,7 @@ class LoopCloser {
 
   [[nodiscard]] std::vector<SurfacePoints> query_scans(std::span<const SlamScan> scans,
                                                        std::span<const Pose2> map_from_node) const;
+  [[nodiscard]] bool is_earlier(std::size_t node) const;
   [[nodiscard]] bool gather(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node, const Pose2& around,
                             double radius);
   void add_nearest(Found& found) const;

@@ -162,8 +162,18 @@ void ScanFrontEnd::remember(const SlamScan& scan, const Pose2& local_from_robot)
   add_to_map(scan, local_from_robot);
 }
 
-void ScanFrontEnd::add_relative(ScanMotion& motion, const Judged& found) const {
-  const Eigen::Vector3d floor(params_.floor_translation, params_.floor_translation, params_.floor_rotation);
+/// Deviations of a motion where the scan does not tell, m and rad. Odometry is never off by much; the motion before, if
+/// that is all there is, by as far as a motion can be searched for.
+Eigen::Vector3d ScanFrontEnd::unmeasured(const ScanMotion& motion, const SlamScan& scan) const {
+  constexpr double rotation = 1;  // rad
+  if (motion.source != MotionSource::prediction || uses_odometry(scan)) {
+    return {params_.floor_translation, params_.floor_translation, params_.floor_rotation};
+  }
+  const double translation = 0.5 * wide_extent();  // two deviations
+  return {translation, translation, rotation};
+}
+
+void ScanFrontEnd::add_relative(ScanMotion& motion, const Judged& found, const Eigen::Vector3d& floor) const {
   const Eigen::Matrix3d least = floor.cwiseProduct(floor).cwiseInverse().asDiagonal();
   const Eigen::Matrix3d information = edge_information(found.terms.information, params_.range_sigma, least);
   for (const std::uint32_t back : {1U, 3U}) {
@@ -211,7 +221,7 @@ ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
       motion.source == MotionSource::prediction || !holds(hold, map_, scan.points, found.local_from_robot, params_);
   if (motion.unobservable) { give_up_direction(found, prediction, hold); }
   seen_in_a_row_ = motion.unobservable ? 0 : seen_in_a_row_ + 1;
-  add_relative(motion, found);
+  add_relative(motion, found, unmeasured(motion, scan));
   remember(scan, found.local_from_robot);
   blind_ = motion.source == MotionSource::prediction ? blind_ + 1 : 0;
   if (blind_ > 0) { last_motion_ = {}; }

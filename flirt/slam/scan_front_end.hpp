@@ -52,7 +52,8 @@ class ScanFrontEnd {
   void restart(const SlamScan& scan, const Pose2& local_from_robot);
   void add_to_map(const SlamScan& scan, const Pose2& local_from_robot);
   static void give_up_direction(Judged& found, const Pose2& prediction, const Hold& hold);
-  void add_relative(ScanMotion& motion, const Judged& found) const;
+  [[nodiscard]] Eigen::Vector3d unmeasured(const ScanMotion& motion, const SlamScan& scan) const;
+  void add_relative(ScanMotion& motion, const Judged& found, const Eigen::Vector3d& floor) const;
 
   SlamParams params_;
   LocalMap map_{};

@@ -70,7 +70,7 @@ struct SlamParams {
 
   double loop_every{0.7};             ///< m of travel between queries for earlier visits
   double loop_min_travel{12};         ///< m of travel after which a place counts as visited earlier
-  std::uint32_t loop_min_scans{40};   ///< scans after which a place counts as visited earlier
+  std::uint32_t loop_min_scans{40};   ///< scans after which it does, or `global_min_travel` of way
   double loop_query_travel{3};        ///< m of travel whose scans are moved together
   std::uint32_t loop_query_scans{6};  ///< scans that are moved together
   double loop_extent{0.8};            ///< m, half width of the search, and
@@ -88,9 +88,10 @@ struct SlamParams {
   double loop_drift_growth{0.02};     ///< m per m of travel since the last closure; if it is off by more,
   double loop_sure_travel{6};         ///< m of travel over which the same displacement has to be found
   double global_after{30};            ///< m of travel without a closure after which the whole map is searched (auto)
-  double global_every{6};             ///< m of travel between such searches, and
+  double global_every{6};             ///< m of travel between such searches, at least, and
+  double global_every_growth{0.3};    ///< m per m of travel since the last closure, if all of it was seen; but only
   double global_agree_travel{1.5};    ///< m once one found something
-  double global_min_travel{20};       ///< m of travel after which scans take part in that map
+  double global_min_travel{20};       ///< m of travel after which scans take part in that map, and in all closures
   double global_forget_travel{12};    ///< m of travel after which a place found no longer confirms others
   std::uint32_t global_agreeing{3};   ///< places found that must agree
   std::uint32_t polish_rounds{3};     ///< rounds of joint alignment of all scans at the end
@@ -157,6 +158,7 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.global_after,
         Field{"global_after", "m", "travel without closure until the whole map is searched", 0, 1e9});
   visit(params.global_every, Field{"global_every", "m", "travel between searches of the whole map", 0.1, 1e9});
+  visit(params.global_every_growth, Field{"global_every_growth", "1", "its growth since the last closure", 0, 10});
   visit(params.global_agree_travel, Field{"global_agree_travel", "m", "the same once one found something", 0, 1000});
   visit(params.global_min_travel, Field{"global_min_travel", "m", "travel until scans take part in them", 1, 1e6});
   visit(params.global_forget_travel, Field{"global_forget_travel", "m", "until a place confirms no more", 0, 1e6});
