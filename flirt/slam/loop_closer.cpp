@@ -214,11 +214,10 @@ std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::
   const double turn = radians_from_degrees(6);
   const std::size_t node = scans.size() - 1;
   const double travel = travel_.back();
-  const double since = travel - last_closure_;
-  const double growth = unseen_ > 0 ? 0 : params_.global_every_growth;  // what was seen has hardly drifted
-  const double every =
-      waiting_anywhere_.empty() ? std::max(params_.global_every, growth * since) : params_.global_agree_travel;
-  if (since < params_.global_after || travel - last_search_ < every) { return {}; }
+  const double every = waiting_anywhere_.empty() ? params_.global_every : params_.global_agree_travel;
+  // Where all motions were seen the window around the pose in the graph holds the right place, and what lies outside it
+  // is a corridor's or a room's twin.
+  if (unseen_ == 0 || travel - last_closure_ < params_.global_after || travel - last_search_ < every) { return {}; }
   const auto first_recent = std::ranges::upper_bound(travel_, travel - params_.global_min_travel);
   const auto earlier = static_cast<std::size_t>(first_recent - travel_.begin());
   if (!places_.update(scans, map_from_node, earlier, most_placed)) { return {}; }  // the rest when asked next

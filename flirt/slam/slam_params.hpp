@@ -87,9 +87,8 @@ struct SlamParams {
   double loop_drift{0.3};             ///< m that the graph may well be off where it was just closed, and
   double loop_drift_growth{0.02};     ///< m per m of travel since the last closure; if it is off by more,
   double loop_sure_travel{6};         ///< m of travel over which the same displacement has to be found
-  double global_after{30};            ///< m of travel without a closure after which the whole map is searched (auto)
-  double global_every{6};             ///< m of travel between such searches, at least, and
-  double global_every_growth{0.3};    ///< m per m of travel since the last closure, if all of it was seen; but only
+  double global_after{30};            ///< m of travel without closure, some of it unseen, until the map is searched
+  double global_every{6};             ///< m of travel between such searches, but only
   double global_agree_travel{1.5};    ///< m once one found something
   double global_min_travel{20};       ///< m of travel after which scans take part in that map, and in all closures
   double global_forget_travel{12};    ///< m of travel after which a place found no longer confirms others
@@ -158,7 +157,6 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.global_after,
         Field{"global_after", "m", "travel without closure until the whole map is searched", 0, 1e9});
   visit(params.global_every, Field{"global_every", "m", "travel between searches of the whole map", 0.1, 1e9});
-  visit(params.global_every_growth, Field{"global_every_growth", "1", "its growth since the last closure", 0, 10});
   visit(params.global_agree_travel, Field{"global_agree_travel", "m", "the same once one found something", 0, 1000});
   visit(params.global_min_travel, Field{"global_min_travel", "m", "travel until scans take part in them", 1, 1e6});
   visit(params.global_forget_travel, Field{"global_forget_travel", "m", "until a place confirms no more", 0, 1e6});
