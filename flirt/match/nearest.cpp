@@ -1,4 +1,4 @@
-// flirt/match/nearest.cpp: dot products of 16 queries at a time with 4 references, then exact distances of the rest.
+// flirt/match/nearest.cpp: products of 16 or 32 queries at once with 4 references, then exact distances of the rest.
 #define HWY_WANT_AVX3_DL  // instructions for sums of products of small integers, left out by default
 #include "flirt/match/nearest.hpp"
 
@@ -24,7 +24,6 @@ namespace flirt::HWY_NAMESPACE {
 namespace {
 
 constexpr std::uint32_t rows_at_once = 4;
-
 constexpr std::size_t blocks_at_once = parts == 1 ? 2 : 1;  // as registers allow
 
 /// Of 16 queries a block the largest product so far and its row: a first guess at the nearest.

@@ -52,10 +52,6 @@ struct RootProducts {
   }
 };
 
-#if HWY_TARGET != HWY_SCALAR
-using IntegerPairs = hn::Repartition<std::int16_t, Integers>;
-#endif
-
 /// Dot products of the sketches, in integers.
 struct SketchProducts {
   using Element = std::int16_t;
@@ -84,7 +80,7 @@ struct SketchProducts {
       }
     }
 #else
-    const IntegerPairs pairs;
+    const hn::Repartition<std::int16_t, Integers> pairs;
     hn::Vec<Integers> upper[Rows][Vectors];  // some instruction sets sum into two halves
     for (std::size_t r = 0; r < Rows; ++r) {
       for (std::size_t v = 0; v < Vectors; ++v) { sum[r][v] = upper[r][v] = hn::Zero(d); }

@@ -41,7 +41,7 @@ struct ScanPoints {
 /// Leaves out legs of people and chairs, which move and tell places apart wrongly: runs of neighbouring beams,
 /// `leg_width` across at most, with longer readings on both sides once legs before them are gone. Of the others keeps
 /// the first end point, and each that lies at least `spacing` from the last one kept; of a full turn the last one only
-/// when it is not too near to the first. O(beams).
+/// when it is not too near to the first. O(beams · legs one behind another).
 [[nodiscard]] ScanPoints scan_points(const Scan& scan, const ScanPointParams& params = {});
 
 }  // namespace flirt

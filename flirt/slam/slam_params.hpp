@@ -90,7 +90,7 @@ struct SlamParams {
   double global_after{30};            ///< m of travel without closure, some of it unseen, until the map is searched
   double global_every{6};             ///< m of travel between such searches, but only
   double global_agree_travel{1.5};    ///< m once one found something
-  double global_min_travel{20};       ///< m of travel after which scans take part in that map, and in all closures
+  double global_min_travel{20};       ///< m of travel after which scans take part in that map, and places are earlier
   double global_forget_travel{12};    ///< m of travel after which a place found no longer confirms others
   std::uint32_t global_agreeing{3};   ///< places found that must agree
   std::uint32_t polish_rounds{3};     ///< rounds of joint alignment of all scans at the end
