@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t fewest_points = 15;  // of a scan that can be placed at all
 constexpr std::uint32_t most_blind = 3;    // scans in a row without a believable pose
+constexpr double other_way = 0.3;          // rad, between poses that look in different directions
 
 /// Metres plus half a metre a radian: turning shows new things, too.
 double way(const Pose2& motion) {
@@ -41,22 +42,22 @@ ScanFrontEnd::Judged ScanFrontEnd::judge(const SurfacePoints& points, const Pose
   const double score = score_of(agreed);
   const double surprise =
       params_.surprise_translation * norm(off.translation()) + params_.surprise_rotation * std::abs(off.theta);
-  return {aligned.map_from_robot, aligned.terms, score - surprise, (score - agreed.unknown) / known};
+  const double quality = (score - agreed.unknown) / known;
+  return {aligned.map_from_robot, aligned.terms, score - surprise, quality, quality - surprise};
 }
 
-ScanFrontEnd::Judged ScanFrontEnd::search(const SurfacePoints& points, const Pose2& prediction, double extent,
-                                          double turn) const {
+std::vector<ScanFrontEnd::Judged> ScanFrontEnd::search(const SurfacePoints& points, const Pose2& prediction,
+                                                       double extent, double turn) const {
   constexpr double keep = 0.85;  // of the best value, else a candidate is not refined
   const SearchWindow window{
       .map_from_robot = prediction, .half_extent = extent, .half_turn = turn, .candidates = 4, .keep = keep};
   const std::vector<WindowPose> candidates = search_window(map_, std::span(&points, 1), window);
-  Judged best;
+  std::vector<Judged> judged;
   for (const WindowPose& candidate : candidates) {
     if (candidate.value < keep * candidates.front().value) { break; }
-    const Judged judged = judge(points, candidate.map_from_robot, prediction);
-    if (judged.score > best.score) { best = judged; }
+    judged.push_back(judge(points, candidate.map_from_robot, prediction));
   }
-  return best;
+  return judged;
 }
 
 void ScanFrontEnd::extract_keypoints(SlamScan& scan) {
@@ -65,14 +66,14 @@ void ScanFrontEnd::extract_keypoints(SlamScan& scan) {
   scan.keypoints = table_of(scan.features.keypoints);
 }
 
-/// The best of the poses that the keypoints of the last scans give.
-ScanFrontEnd::Judged ScanFrontEnd::match_keypoints(const SlamScan& scan, const Pose2& prediction) {
+/// The poses that the keypoints of the last scans give.
+std::vector<ScanFrontEnd::Judged> ScanFrontEnd::match_keypoints(const SlamScan& scan, const Pose2& prediction) {
   constexpr std::size_t most = 6;  // scans
-  Judged best;
-  if (params_.front_end != FrontEndKind::automatic) { return best; }
+  std::vector<Judged> judged;
+  if (params_.front_end != FrontEndKind::automatic) { return judged; }
   SlamScan query{.scan = scan.scan};
   extract_keypoints(query);
-  if (query.keypoints.x.empty()) { return best; }
+  if (query.keypoints.x.empty()) { return judged; }
   matcher_.set_query(query.columns());
   const std::size_t count = std::min(most, map_scans_.size());
   for (std::size_t k = 0; k < count; ++k) {
@@ -84,10 +85,9 @@ ScanFrontEnd::Judged ScanFrontEnd::match_keypoints(const SlamScan& scan, const P
     const Pose2 local_from_sensor =
         earlier.local_from_robot * earlier.scan.scan.robot_from_sensor * found->reference_from_query;
     const Pose2 local_from_robot = local_from_sensor * inverse(scan.scan.robot_from_sensor);
-    const Judged judged = judge(scan.points, local_from_robot, prediction);
-    if (judged.score > best.score) { best = judged; }
+    judged.push_back(judge(scan.points, local_from_robot, prediction));
   }
-  return best;
+  return judged;
 }
 
 /// How far a wide search reaches: as far as the robot moved lately, and a half more.
@@ -97,27 +97,51 @@ double ScanFrontEnd::wide_extent() const {
   return std::clamp(1.5 * longest, params_.wide_extent, params_.widest_extent);
 }
 
-std::pair<ScanFrontEnd::Judged, MotionSource> ScanFrontEnd::best_pose(const SlamScan& scan, const Pose2& prediction) {
+/// The farthest of the poses elsewhere that are nearly as plausible as the best: doors along a corridor look alike, and
+/// so do its two ends.
+std::optional<Pose2> ScanFrontEnd::rival(std::span<const Judged> tried, const Judged& best) const {
+  constexpr double elsewhere = 0.4;  // m
+  const auto apart = [&](const Pose2& pose) { return distance(pose, best.local_from_robot); };
+  std::optional<Pose2> rival;
+  for (const Judged& other : tried) {
+    const Pose2& pose = other.local_from_robot;
+    const bool is_elsewhere = apart(pose) > elsewhere || heading_difference(pose, best.local_from_robot) > other_way;
+    const bool is_equal = other.plausible > best.plausible - params_.rival_lead;
+    if (is_elsewhere && is_equal && (!rival || apart(pose) > apart(*rival))) { rival = pose; }
+  }
+  return rival;
+}
+
+ScanFrontEnd::Placed ScanFrontEnd::place(const SlamScan& scan, const Pose2& prediction) {
   const bool odometry = uses_odometry(scan);
-  std::pair<Judged, MotionSource> best{judge(scan.points, prediction, prediction), MotionSource::narrow};
-  const auto take_better = [&](const Judged& other, MotionSource source) {
-    if (other.score > best.first.score) { best = {other, source}; }
+  std::vector<Judged> tried{judge(scan.points, prediction, prediction)};
+  std::size_t best = 0;
+  MotionSource source = MotionSource::narrow;
+  const auto consider = [&](const std::vector<Judged>& others, MotionSource from) {
+    for (const Judged& other : others) {
+      tried.push_back(other);
+      if (other.score > tried[best].score) {
+        best = tried.size() - 1;
+        source = from;
+      }
+    }
   };
-  take_better(search(scan.points, prediction, odometry ? params_.odometry_extent : params_.narrow_extent,
-                     odometry ? params_.odometry_turn : params_.narrow_turn),
-              MotionSource::narrow);
-  if (best.first.score >= params_.convincing_score) { return best; }
+  const auto answer = [&] { return Placed{tried[best], source, rival(tried, tried[best])}; };
+  consider(search(scan.points, prediction, odometry ? params_.odometry_extent : params_.narrow_extent,
+                  odometry ? params_.odometry_turn : params_.narrow_turn),
+           MotionSource::narrow);
+  if (tried[best].score >= params_.convincing_score) { return answer(); }
   const double turn = odometry ? 4 * params_.odometry_turn : std::numbers::pi;
-  take_better(search(scan.points, prediction, params_.wide_extent, turn), MotionSource::wide);
+  consider(search(scan.points, prediction, params_.wide_extent, turn), MotionSource::wide);
   // Where scans are far apart, or nothing else helps, a pose that is in doubt has rivals farther away.
   const double extent = wide_extent();
   const bool far_apart = !odometry && extent > params_.wide_extent;
   const double doubtful = far_apart ? params_.suspect_score : params_.usable_score;
-  if (best.first.score >= doubtful) { return best; }
-  take_better(match_keypoints(scan, prediction), MotionSource::wide);
-  if (best.first.score >= doubtful || !far_apart) { return best; }
-  take_better(search(scan.points, prediction, extent, turn), MotionSource::wide);
-  return best;
+  if (tried[best].score >= doubtful) { return answer(); }
+  consider(match_keypoints(scan, prediction), MotionSource::wide);
+  if (tried[best].score >= doubtful || !far_apart) { return answer(); }
+  consider(search(scan.points, prediction, extent, turn), MotionSource::wide);
+  return answer();
 }
 
 void ScanFrontEnd::add_to_map(const SlamScan& scan, const Pose2& local_from_robot) {
@@ -184,17 +208,35 @@ void ScanFrontEnd::add_relative(ScanMotion& motion, const Judged& found, const E
   }
 }
 
-/// Along a direction of which the scan says nothing the prediction stands, and nothing counts as measured. Nothing
-/// does, either, where what the scan says is in doubt; but then the prediction is no better.
-void ScanFrontEnd::give_up_direction(Judged& found, const Pose2& prediction, const Hold& hold) {
-  const Eigen::Vector3d d(hold.direction.x, hold.direction.y, 0);
+/// Nothing counts as measured along a direction, frame of the robot.
+void ScanFrontEnd::forget_direction(Judged& found, Point2 direction) {
+  const Eigen::Vector3d d(direction.x, direction.y, 0);
   const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - d * d.transpose();
   found.terms.information = rest * found.terms.information * rest;
+}
+
+/// Along a direction of which the scan says nothing the prediction stands. Not so where what the scan says is in doubt:
+/// then the prediction is no better.
+void ScanFrontEnd::give_up_direction(Judged& found, const Pose2& prediction, const Hold& hold) {
+  forget_direction(found, hold.direction);
   if (hold.doubted) { return; }
   const Point2 direction = Pose2{0, 0, found.local_from_robot.theta} * hold.direction;
   const double off = dot(direction, prediction.translation() - found.local_from_robot.translation());
   found.local_from_robot.x += off * direction.x;
   found.local_from_robot.y += off * direction.y;
+}
+
+/// Nothing counts as measured of which of two places it is. Returns by how much they differ, m and rad.
+Eigen::Vector3d ScanFrontEnd::give_up_towards(const Pose2& rival, Judged& found) {
+  const Pose2 off = inverse(found.local_from_robot) * rival;
+  const double apart = norm(off.translation());
+  const double turn = std::abs(off.theta);
+  if (turn > other_way) {
+    found.terms.information.setZero();
+  } else {
+    forget_direction(found, {off.x / apart, off.y / apart});
+  }
+  return {apart, apart, turn};
 }
 
 ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
@@ -206,22 +248,31 @@ ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
   }
   const Pose2 prediction = predicted(scan);
   Judged found{prediction, {}, -1e9};
+  std::optional<Pose2> rival;
   motion.source = MotionSource::prediction;
   if (scan.points.size() >= fewest_points && map_.scans() > 0) {
-    const auto [best, source] = best_pose(scan, prediction);
+    const Placed placed = place(scan, prediction);
+    const auto& [best, source, other] = placed;
     motion.score = best.score;
     const double known_points = best.terms.weight;
     if (best.quality >= params_.usable_score && known_points >= static_cast<double>(fewest_points)) {
       found = best;
       motion.source = source;
+      if (!uses_odometry(scan)) { rival = other; }  // odometry tells them apart
     }
   }
   const Hold hold = hold_of(scan.points, map_, found.local_from_robot);
-  motion.unobservable =
-      motion.source == MotionSource::prediction || !holds(hold, map_, scan.points, found.local_from_robot, params_);
-  if (motion.unobservable) { give_up_direction(found, prediction, hold); }
+  Eigen::Vector3d floor = unmeasured(motion, scan);
+  if (rival) {
+    motion.unobservable = true;
+    floor = floor.cwiseMax(give_up_towards(*rival, found));
+  } else if (motion.source == MotionSource::prediction ||
+             !holds(hold, map_, scan.points, found.local_from_robot, params_)) {
+    motion.unobservable = true;
+    give_up_direction(found, prediction, hold);
+  }
   seen_in_a_row_ = motion.unobservable ? 0 : seen_in_a_row_ + 1;
-  add_relative(motion, found, unmeasured(motion, scan));
+  add_relative(motion, found, floor);
   remember(scan, found.local_from_robot);
   blind_ = motion.source == MotionSource::prediction ? blind_ + 1 : 0;
   if (blind_ > 0) { last_motion_ = {}; }

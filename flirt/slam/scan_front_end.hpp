@@ -31,8 +31,9 @@ class ScanFrontEnd {
   struct Judged {
     Pose2 local_from_robot{};
     AlignmentTerms terms{};
-    double score{-1e9};    ///< with the penalty for leaving the prediction
-    double quality{-1e9};  ///< score that it would have if all points were where something had been seen
+    double score{-1e9};      ///< with the penalty for leaving the prediction
+    double quality{-1e9};    ///< score that it would have if all points were where something had been seen
+    double plausible{-1e9};  ///< the same with that penalty
   };
   struct MapScan {
     SlamScan scan;
@@ -43,15 +44,25 @@ class ScanFrontEnd {
   [[nodiscard]] Pose2 predicted(const SlamScan& scan) const;
   [[nodiscard]] bool uses_odometry(const SlamScan& scan) const;
   [[nodiscard]] Judged judge(const SurfacePoints& points, const Pose2& start, const Pose2& prediction) const;
-  [[nodiscard]] Judged search(const SurfacePoints& points, const Pose2& prediction, double extent, double turn) const;
+  struct Placed {
+    Judged best;
+    MotionSource source;
+    std::optional<Pose2> rival;
+  };
+  [[nodiscard]] std::optional<Pose2> rival(std::span<const Judged> tried, const Judged& best) const;
+  [[nodiscard]] std::vector<Judged> search(const SurfacePoints& points, const Pose2& prediction, double extent,
+                                           double turn) const;
+
   void extract_keypoints(SlamScan& scan);
-  [[nodiscard]] Judged match_keypoints(const SlamScan& scan, const Pose2& prediction);
+  [[nodiscard]] std::vector<Judged> match_keypoints(const SlamScan& scan, const Pose2& prediction);
   [[nodiscard]] double wide_extent() const;
-  [[nodiscard]] std::pair<Judged, MotionSource> best_pose(const SlamScan& scan, const Pose2& prediction);
+  [[nodiscard]] Placed place(const SlamScan& scan, const Pose2& prediction);
   void remember(const SlamScan& scan, const Pose2& local_from_robot);
   void restart(const SlamScan& scan, const Pose2& local_from_robot);
   void add_to_map(const SlamScan& scan, const Pose2& local_from_robot);
+  static void forget_direction(Judged& found, Point2 direction);
   static void give_up_direction(Judged& found, const Pose2& prediction, const Hold& hold);
+  static Eigen::Vector3d give_up_towards(const Pose2& rival, Judged& found);
   [[nodiscard]] Eigen::Vector3d unmeasured(const ScanMotion& motion, const SlamScan& scan) const;
   void add_relative(ScanMotion& motion, const Judged& found, const Eigen::Vector3d& floor) const;
 

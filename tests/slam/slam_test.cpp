@@ -119,6 +119,32 @@ TEST(Slam, SaysThatABareCorridorCannotBeSeenAlong) {
   }
 }
 
+/// The same with niches in both walls, one a metre.
+Scan corridor_scan_with_niches(double x) {
+  Scan scan = corridor_scan(x);
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const double angle = scan.beams.angle(i);
+    const auto hits = [&](double range) {
+      const double along = x + range * std::cos(angle);
+      const bool in_niche = along - std::floor(along) < 0.4;
+      return std::abs(range * std::sin(angle)) >= (in_niche ? 1.4 : 1.0);
+    };
+    double range = 0;
+    while (range < 6 && !hits(range)) { range += 0.002; }
+    scan.ranges[i] = range < 6 ? static_cast<float>(range) : std::numeric_limits<float>::infinity();
+  }
+  return scan;
+}
+
+TEST(Slam, SaysThatNichesThatLookAlikeDoNotTellWhichTheyAre) {
+  Slam fast;
+  fast.add(corridor_scan_with_niches(0));
+  EXPECT_TRUE(fast.add(corridor_scan_with_niches(0.5)).unobservable);  // half a metre on, or back?
+  Slam slow;
+  slow.add(corridor_scan_with_niches(0));
+  EXPECT_FALSE(slow.add(corridor_scan_with_niches(0.1)).unobservable);
+}
+
 TEST(Slam, HasNoEdgeAcrossAMotionThatWasNotSeen) {
   Slam slam;
   for (int i = 0; i < 20; ++i) { slam.add(corridor_scan(0.3 * i)); }
