@@ -106,9 +106,9 @@ HWY_INLINE void end_group(const BegunGroup& begun, const Two& reach, float* HWY_
     }
   }
   const FloatTag f;
-  for (std::size_t two = 0; two < 2; ++two) {
-    const Group first = row_of<0>(k[two]);
-    const Group second = row_of<1>(k[two]);
+  for (const Two& two : k) {
+    const Group first = row_of<0>(two);
+    const Group second = row_of<1>(two);
     for (std::size_t part = 0; part < float_parts; ++part) {
       float* const at = sum + part * float_lanes;
       hn::Store(hn::Add(hn::Load(f, at), hn::Add(first.part[part], second.part[part])), f, at);

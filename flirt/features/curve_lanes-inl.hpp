@@ -70,8 +70,9 @@ HWY_INLINE Group row_of(const Two& two) {
   return group;
 }
 #else
-template <std::size_t Row, class D = TwoTag>
-HWY_INLINE Group row_of(const Two& two) {
+/// A template over its argument so that the branch for another vector length need not compile.
+template <std::size_t Row, class D = TwoTag, class Vectors = Two>
+HWY_INLINE Group row_of(const Vectors& two) {
   Group group;
   if constexpr (in_one) {
     const hn::Half<D> half;
