@@ -128,9 +128,14 @@ void gaussian_sums(const Pairs& pairs, float* HWY_RESTRICT kernel, float* HWY_RE
     BegunGroup begun = begin_group(pairs, positions, j);
     leave_out_own(i - j, begun);
     for (const std::size_t last = pairs.ends[i / rows_at_once] - padding; j < last; j += padding) {
-      const BegunGroup next = begin_group(pairs, positions, j + padding);
-      end_one(begun, j);
-      begun = next;
+      if constexpr (in_one) {
+        const BegunGroup next = begin_group(pairs, positions, j + padding);
+        end_one(begun, j);
+        begun = next;
+      } else {  // too few registers for two groups at a time
+        end_one(begun, j);
+        begun = begin_group(pairs, positions, j + padding);
+      }
     }
     end_one(begun, j);
     store_sums({row_of<0>(row_sums[0]), row_of<1>(row_sums[0]), row_of<0>(row_sums[1]), row_of<1>(row_sums[1])},
