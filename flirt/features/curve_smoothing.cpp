@@ -70,20 +70,39 @@ void CurveSmoother::lay_out(double unit, double reach) {
             std::numeric_limits<double>::infinity());
 }
 
-/// Positions as two floats each, and the reach of each point: `reach` in the unit of positions. Floats can't tell two
-/// nearly equal ways around a closed curve apart, so ghosts reach a little less.
+/// Positions as two floats each, of points in rows, and of points and ghosts in groups; and how far each reaches:
+/// `reach` in the unit of positions. Floats can't tell two nearly equal ways around a closed curve apart, so ghosts
+/// reach a little less.
 void CurveSmoother::split_positions(double reach) {
-  resize_padded(position_high_, extended_);
-  resize_padded(position_low_, extended_);
-  for (std::size_t i = 0; i < position_.size(); ++i) {
-    position_high_[i] = static_cast<float>(position_[i]);
-    position_low_[i] = static_cast<float>(position_[i] - double{position_high_[i]});
+  using curve_kernels::padding;
+  row_high_.assign(points_ + curve_kernels::rows_at_once, curve_kernels::beyond_everything);
+  row_low_.assign(points_ + curve_kernels::rows_at_once, 0.0F);
+  for (std::size_t i = 0; i < points_; ++i) {
+    row_high_[i] = static_cast<float>(position_[i]);
+    row_low_[i] = static_cast<float>(position_[i] - double{row_high_[i]});
   }
-  std::fill(position_low_.begin() + static_cast<std::ptrdiff_t>(extended_), position_low_.end(), 0.0F);
-  resize_padded(reach_of_, extended_);
-  const auto ghosts = reach_of_.begin() + static_cast<std::ptrdiff_t>(points_);
-  std::fill(reach_of_.begin(), ghosts, static_cast<float>(reach * (1.0 + rounding)));
-  std::fill(ghosts, reach_of_.end(), static_cast<float>(reach * (1.0 - rounding)));
+  const std::size_t size = 2 * (extended_ / padding + 2) * padding;
+  position_high_.resize(size);
+  position_low_.resize(size);
+  reach_of_.resize(size);
+  const std::size_t whole = points_ / padding * padding;
+  for (std::size_t first = 0; first < whole; first += padding) {
+    for (const std::size_t copy : {2 * first, 2 * first + padding}) {
+      std::copy_n(&row_high_[first], padding, &position_high_[copy]);
+      std::copy_n(&row_low_[first], padding, &position_low_[copy]);
+    }
+  }
+  std::fill_n(reach_of_.begin(), 2 * whole, static_cast<float>(reach * (1.0 + rounding)));
+  for (std::size_t i = whole; curve_kernels::first_copy(i) < size; ++i) {
+    const bool exists = i < extended_;
+    const auto high = static_cast<float>(exists ? position_[i] : std::numeric_limits<double>::infinity());
+    const float low = exists ? static_cast<float>(position_[i] - double{high}) : 0.0F;
+    for (const std::size_t copy : {curve_kernels::first_copy(i), curve_kernels::first_copy(i) + padding}) {
+      position_high_[copy] = high;
+      position_low_[copy] = low;
+      reach_of_[copy] = static_cast<float>(reach * (i < points_ ? 1.0 + rounding : 1.0 - rounding));
+    }
+  }
 }
 
 /// Gives every ghost the value of its point, and the padding zeros: no weight.
@@ -107,8 +126,10 @@ void CurveSmoother::smooth(double t, double reach, SmoothedCurve& out) {
   lay_out(unit, farthest);
   const double farthest_position = std::min(farthest / unit, curve_kernels::farthest);
   split_positions(farthest_position);
-  ends_.resize((points_ + 1) / 2);
+  ends_.resize((points_ + curve_kernels::rows_at_once - 1) / curve_kernels::rows_at_once);
   const curve_kernels::Pairs pairs{.arc = position_.data(),
+                                   .row_high = row_high_.data(),
+                                   .row_low = row_low_.data(),
                                    .arc_high = position_high_.data(),
                                    .arc_low = position_low_.data(),
                                    .reach_of = reach_of_.data(),
@@ -123,14 +144,17 @@ void CurveSmoother::smooth(double t, double reach, SmoothedCurve& out) {
     std::ranges::fill(*column, 0.0F);
   }
   std::fill_n(density_.begin(), points_, 1.0F);  // k_ii
-  curve_kernels::gaussian_sums(pairs, kernel_.data(), density_.data());
+  const std::size_t row_count = (points_ / curve_kernels::padding + 1) * curve_kernels::padding;
+  rows_.assign(3 * row_count, 0.0F);
+  const curve_kernels::Columns rows{rows_.data(), rows_.data() + row_count, rows_.data() + 2 * row_count};
+  curve_kernels::gaussian_sums(pairs, kernel_.data(), density_.data(), rows.weight);
   fold_ghosts(density_);
 
   curve_kernels::invert(density_.data(), points_, weight_.data());
   for (AlignedFloats* column : {&weight_, &x_, &y_}) { append_ghosts(*column); }
   std::copy_n(weight_.begin(), points_, sum_.begin());  // k_ii again
   const curve_kernels::Columns sums{sum_.data(), sum_x_.data(), sum_y_.data()};
-  curve_kernels::weighted_sums(pairs, kernel_.data(), {weight_.data(), x_.data(), y_.data()}, sums);
+  curve_kernels::weighted_sums(pairs, kernel_.data(), {weight_.data(), x_.data(), y_.data()}, sums, rows);
   for (AlignedFloats* column : {&sum_, &sum_x_, &sum_y_}) { fold_ghosts(*column); }
   curve_kernels::divide_columns(sums, points_);
   for (std::size_t i = 0; i < points_; ++i) {

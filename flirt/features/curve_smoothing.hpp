@@ -58,9 +58,11 @@ class CurveSmoother {
   AlignedFloats y_;                  ///< m
   AlignedDoubles arc_;               ///< m
   AlignedDoubles position_;          ///< arc lengths in the unit of the scale, of points and ghosts
-  AlignedFloats position_high_;      ///< `position_` in single precision
-  AlignedFloats position_low_;       ///< the rest of it
-  AlignedFloats reach_of_;           ///< of each point that can be second of a pair
+  AlignedFloats row_high_;           ///< `position_` in single precision, of points
+  AlignedFloats row_low_;            ///< the rest of it
+  AlignedFloats position_high_;      ///< the same of points and ghosts, each group twice
+  AlignedFloats position_low_;       ///< the rest of it, each group twice
+  AlignedFloats reach_of_;           ///< of each point that can be second of a pair, each group twice
   std::vector<std::uint32_t> ends_;  ///< of the rows of pairs
   AlignedFloats kernel_;             ///< k_ij of all pairs
   AlignedFloats density_;            ///< p_i = Σ k_ij
@@ -68,6 +70,7 @@ class CurveSmoother {
   AlignedFloats sum_;                ///< Σ k_ij / p_j
   AlignedFloats sum_x_;              ///< Σ k_ij (x_j − x_i) / p_j, m; then the offset of the smoothed point
   AlignedFloats sum_y_;              ///< the same in y, m
+  AlignedFloats rows_;               ///< working memory of the sums, three columns
 };
 
 /// The same over any geodesic distances; pairs further apart than reach · t are left out. O(neighbours).
