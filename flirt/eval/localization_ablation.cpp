@@ -17,11 +17,9 @@ void add_search_variants(const LocalizeParams& full, std::vector<LocalizationVar
   };
   add("no-coarse-penalty", "coarse search does not tell free from unknown space",
       [](LocalizeParams& params) { params.fields.free_penalty = 0; });
-  add("no-ranking-rays", "coarse candidates ranked by their end points alone", [](LocalizeParams& params) {
-    params.search.ray_weight = 0;
-    params.search.ranking_rays = 1;
-  });
-  add("few-candidates", "100 coarse tiles kept instead of 1500",
+  add("no-heats", "coarse poses compared as they are for which to refine",
+      [](LocalizeParams& params) { params.search.heat_steps = 0; });
+  add("few-candidates", "100 coarse tiles kept instead of 1000",
       [](LocalizeParams& params) { params.search.dense.candidates = 100; });
   add("no-refinement", "coarse poses scored as they are, 0.2 m and 3° apart",
       [](LocalizeParams& params) { params.search.refine.iterations = 0; });

@@ -84,9 +84,9 @@ LocalizationResult Localizer::by_evidence(const Scan& scan, const ScanPoints& po
   result.points = static_cast<std::uint32_t>(points.size());
   const std::vector<CoarsePose> coarse = candidates(fields, scan, points, times);
   stopwatch.lap_us();
-  const std::vector<Pose2> ranked = ranked_candidates(fields, points, coarse, params_.search);
+  const std::vector<Pose2> promising = finalists(fields, points, coarse, params_.search);
   times.rank_us = stopwatch.lap_us();
-  const std::vector<ScoredPose> poses = distinct(judge(fields, points, ranked, params_.search), params_.search);
+  const std::vector<ScoredPose> poses = distinct(judge(fields, points, promising, params_.search), params_.search);
   const Judgement judgement = judge_answer(poses, points.size(), params_.verdict);
   result.verdict = judgement.verdict;
   result.reason = judgement.reason;

@@ -83,7 +83,7 @@ struct LocalizeTimes {
   double describe_us{0};  ///< features and papers
   double match_us{0};     ///< papers: keypoints against all map scans; features: votes
   double search_us{0};    ///< coarse candidates
-  double rank_us{0};      ///< candidates ranked by their beams
+  double rank_us{0};      ///< heats: which candidates are refined to the end
   double refine_us{0};    ///< refinement, score, verdict
   double prepare_us{0};   ///< evidence without the excluded scans: a cost of evaluation, not in the total
 

@@ -28,7 +28,7 @@ std::optional<Pose2> seen_motion(const MapFields& fields, const ScanPoints& poin
   };
   std::vector<CoarsePose> coarse = dense_search_near(fields, points, std::span(&before, 1), near.dense);
   std::erase_if(coarse, [&](const CoarsePose& pose) { return !is_near(pose.map_from_sensor); });
-  std::vector<ScoredPose> poses = judge(fields, points, ranked_candidates(fields, points, coarse, near), near);
+  std::vector<ScoredPose> poses = judge(fields, points, finalists(fields, points, coarse, near), near);
   std::erase_if(poses, [&](const ScoredPose& pose) { return !is_near(pose.map_from_sensor); });
   if (poses.empty()) { return std::nullopt; }
   const ScoredPose& best =

@@ -18,7 +18,7 @@ struct DenseSearchParams {
   double heading_step{radians_from_degrees(3)};   ///< rad, rounded so that a whole number of steps makes a turn
   std::uint32_t headings_per_tile{3};             ///< neighbouring headings of which only the best place is kept
   std::uint32_t largest_point_count{120};         ///< end points used, evenly picked
-  std::uint32_t candidates{1500};                 ///< best tiles of 4 × 4 coarse cells × headings_per_tile kept
+  std::uint32_t candidates{1000};                 ///< best tiles of 4 × 4 coarse cells × headings_per_tile kept
   double near_distance{3.0};                      ///< m around a given place that is searched
   double near_heading{radians_from_degrees(12)};  ///< rad on both sides of a given heading
 };

@@ -26,7 +26,7 @@ EvidenceScorer::EvidenceScorer(const MapFields& fields, const EvidenceScoreParam
   }
 }
 
-EvidenceScore EvidenceScorer::score(const ScanPoints& points, const Pose2& map_from_sensor) const {
+EvidenceScore EvidenceScorer::score_of_end_points(const ScanPoints& points, const Pose2& map_from_sensor) const {
   EvidenceScore score;
   if (points.size() == 0) { return score; }
   const auto scale = static_cast<float>(1.0 / fields_->cell_size);
@@ -61,9 +61,16 @@ EvidenceScore EvidenceScorer::score(const ScanPoints& points, const Pose2& map_f
   score.likelihood = likelihood / n;
   score.free = free / n;
   score.unknown = unknown / n;
-  score.through = through(points, map_from_sensor);
   score.near = near / n;
   score.residual = squared_distances / n * fields_->cell_size * fields_->cell_size;
+  score.total = weighted(score, params_.fit);
+  score.preference = weighted(score, params_.preference);
+  return score;
+}
+
+EvidenceScore EvidenceScorer::score(const ScanPoints& points, const Pose2& map_from_sensor) const {
+  EvidenceScore score = score_of_end_points(points, map_from_sensor);
+  score.through = through(points, map_from_sensor);
   score.total = weighted(score, params_.fit);
   score.preference = weighted(score, params_.preference);
   return score;

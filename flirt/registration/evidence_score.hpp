@@ -73,6 +73,9 @@ class EvidenceScorer {
   /// Score of the scan at a pose. O(points + cells that beams pass close to walls).
   [[nodiscard]] EvidenceScore score(const ScanPoints& points, const Pose2& map_from_sensor) const;
 
+  /// The same of the end points alone: `through` is 0.
+  [[nodiscard]] EvidenceScore score_of_end_points(const ScanPoints& points, const Pose2& map_from_sensor) const;
+
   /// Share of every `stride`-th beam that crosses something solid more than the margin before its end. Once it is sure
   /// to exceed `most`, 1 is returned. Points without a beam (ScanPoints::range 0) don't count.
   [[nodiscard]] double through(const ScanPoints& points, const Pose2& map_from_sensor, std::size_t stride = 1,

@@ -19,6 +19,11 @@ bool is_seen(const MapFields& fields, float x, float y) {
   return tile != nullptr && (tile->agreement[MapTile::offset(cell_x, cell_y)] & Agreement::unknown) == 0;
 }
 
+/// A pose of the map in a frame at the fields' origin, where floats are exact enough.
+Pose2 in_fields(const MapFields& fields, const Pose2& map_from_sensor) {
+  return {map_from_sensor.x - fields.origin.x, map_from_sensor.y - fields.origin.y, map_from_sensor.theta};
+}
+
 /// Σ w JᵀMJ and Σ w JᵀMr over the end points, in a frame at the fields' origin, rotation about the sensor.
 struct NormalEquations {
   float xx{0}, xy{0}, yy{0}, xt{0}, yt{0}, tt{0};  // upper triangle of the information matrix
@@ -100,15 +105,14 @@ double inflation(const NormalEquations& sum, double support, const RefineParams&
 
 }  // namespace
 
-RefinedPose refine(const MapFields& fields, const ScanPoints& points, const Pose2& map_from_sensor,
+Pose2 refined_pose(const MapFields& fields, const ScanPoints& points, const Pose2& map_from_sensor,
                    const RefineParams& params) {
-  Pose2 pose{map_from_sensor.x - fields.origin.x, map_from_sensor.y - fields.origin.y, map_from_sensor.theta};
+  Pose2 pose = in_fields(fields, map_from_sensor);
   double width = params.start_width;
   // Holds directions in which nothing is known: a weak wish to stay.
   const Eigen::Matrix3d stay = Eigen::Vector3d(1e-2, 1e-2, 1e-2).asDiagonal();
-  NormalEquations sum;
   for (std::uint32_t i = 0; i < params.iterations; ++i) {
-    sum = normal_equations(fields, points, pose, width, params.before);
+    const NormalEquations sum = normal_equations(fields, points, pose, width, params.before);
     const Eigen::Vector3d gradient(sum.gx, sum.gy, sum.gt);
     const Eigen::Vector3d step = -(information_of(sum) + stay).ldlt().solve(gradient);
     pose = {pose.x + step.x(), pose.y + step.y(), wrap_angle(pose.theta + step.z())};
@@ -116,8 +120,14 @@ RefinedPose refine(const MapFields& fields, const ScanPoints& points, const Pose
     if (small && width <= params.end_width) { break; }
     width = std::max(params.end_width, params.shrink * width);
   }
-  sum = normal_equations(fields, points, pose, params.end_width, params.before);
-  RefinedPose refined{{pose.x + fields.origin.x, pose.y + fields.origin.y, pose.theta}};
+  return {pose.x + fields.origin.x, pose.y + fields.origin.y, pose.theta};
+}
+
+RefinedPose refine(const MapFields& fields, const ScanPoints& points, const Pose2& map_from_sensor,
+                   const RefineParams& params) {
+  RefinedPose refined{refined_pose(fields, points, map_from_sensor, params)};
+  const NormalEquations sum =
+      normal_equations(fields, points, in_fields(fields, refined.map_from_sensor), params.end_width, params.before);
   refined.support = points.size() == 0 ? 0.0 : sum.weight / static_cast<double>(points.size());
   const double inflated = inflation(sum, refined.support, params);
   const double variance = inflated * params.residual_sigma * params.residual_sigma;

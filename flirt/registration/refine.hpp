@@ -62,4 +62,8 @@ struct RefinedPose {
 [[nodiscard]] RefinedPose refine(const MapFields& fields, const ScanPoints& points, const Pose2& map_from_sensor,
                                  const RefineParams& params = {});
 
+/// The pose that `refine` ends at, alone.
+[[nodiscard]] Pose2 refined_pose(const MapFields& fields, const ScanPoints& points, const Pose2& map_from_sensor,
+                                 const RefineParams& params = {});
+
 }  // namespace flirt

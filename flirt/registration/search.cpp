@@ -2,8 +2,61 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 namespace flirt {
+namespace {
+
+/// A pose on its way through the heats.
+struct Runner {
+  Pose2 map_from_sensor;
+  double value{0};  ///< preference, as far as it is known
+};
+
+/// Every so many points, so that no more than `most` are left.
+ScanPoints evenly_picked(const ScanPoints& points, std::size_t most) {
+  const std::size_t stride = (points.size() + most - 1) / most;
+  ScanPoints picked;
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    picked.x.push_back(points.x[i]);
+    picked.y.push_back(points.y[i]);
+    picked.range.push_back(points.range[i]);
+  }
+  return picked;
+}
+
+/// All drawn a little closer, those before others whose end points agree with the map.
+std::vector<Runner> after_heat(const MapFields& fields, const ScanPoints& points, const EvidenceScorer& scorer,
+                               std::vector<Runner> runners, const SearchParams& params) {
+  RefineParams few_steps = params.refine;
+  few_steps.iterations = std::min(params.heat_steps, params.refine.iterations);
+  for (Runner& runner : runners) {
+    runner.map_from_sensor = refined_pose(fields, points, runner.map_from_sensor, few_steps);
+    runner.value = scorer.score_of_end_points(points, runner.map_from_sensor).preference;
+  }
+  std::ranges::stable_sort(runners, std::ranges::greater{}, &Runner::value);
+  return runners;
+}
+
+/// The `params.refined` best of the runners (best first) once beams count, too. These only take value away: what is
+/// worth less than the worst of enough others need not be looked at.
+std::vector<Runner> best_by_beams(const ScanPoints& points, const EvidenceScorer& scorer,
+                                  std::span<const Runner> runners, const SearchParams& params) {
+  const std::size_t stride = (points.size() + params.heat_rays - 1) / params.heat_rays;
+  const double penalty = std::max(0.0, -params.score.preference.through);
+  std::vector<Runner> best;
+  for (Runner runner : runners) {
+    const bool enough = best.size() == params.refined;
+    if (enough && runner.value <= best.back().value) { break; }
+    const double most = enough && penalty > 0 ? (runner.value - best.back().value) / penalty : 1.0;
+    runner.value -= penalty * scorer.through(points, runner.map_from_sensor, stride, most);
+    best.insert(std::ranges::upper_bound(best, runner.value, std::ranges::greater{}, &Runner::value), runner);
+    if (best.size() > params.refined) { best.pop_back(); }
+  }
+  return best;
+}
+
+}  // namespace
 
 std::vector<ScoredPose> judge(const MapFields& fields, const ScanPoints& points, std::span<const Pose2> map_from_sensor,
                               const SearchParams& params) {
@@ -37,47 +90,26 @@ std::vector<ScoredPose> distinct(std::vector<ScoredPose> poses, const SearchPara
   return kept;
 }
 
-std::vector<Pose2> ranked_candidates(const MapFields& fields, const ScanPoints& points,
-                                     std::span<const CoarsePose> coarse, const SearchParams& params) {
+std::vector<Pose2> finalists(const MapFields& fields, const ScanPoints& points, std::span<const CoarsePose> coarse,
+                             const SearchParams& params) {
   const EvidenceScorer scorer(fields, params.score);
-  const std::size_t stride = (points.size() + params.ranking_rays - 1) / params.ranking_rays;
-  struct Ranked {
-    double value;
-    std::size_t index;
-  };
-  const auto better = [](const Ranked& a, const Ranked& b) {
-    return a.value != b.value ? a.value > b.value : a.index < b.index;
-  };
-  // The very best are kept whatever their rays say: a heading a degree off can send many beams through a door frame.
-  // Coarse poses come best first, and rays only take value away: once a pose is worth less than the worst of a full
-  // heap, so are all after it.
-  const std::size_t sure = std::min<std::size_t>({params.unranked, params.refined, coarse.size()});
-  std::vector<Ranked> best;
-  for (std::size_t i = sure; i < coarse.size() && params.refined > sure; ++i) {
-    const bool full = best.size() + sure == params.refined;
-    if (full && coarse[i].value <= best.front().value) { break; }
-    const double most_through = full ? (coarse[i].value - best.front().value) / params.ray_weight : 1.0;
-    const double through = scorer.through(points, coarse[i].map_from_sensor, stride, most_through);
-    const Ranked ranked{coarse[i].value - params.ray_weight * through, i};
-    if (full && !better(ranked, best.front())) { continue; }
-    if (full) {
-      std::ranges::pop_heap(best, better);
-      best.pop_back();
-    }
-    best.push_back(ranked);
-    std::ranges::push_heap(best, better);
-  }
-  std::ranges::sort(best, better);
+  std::vector<Runner> runners;
+  runners.reserve(coarse.size());
+  for (const CoarsePose& pose : coarse) { runners.push_back({pose.map_from_sensor, 0}); }
+  runners = after_heat(fields, evenly_picked(points, params.first_heat_points), scorer, std::move(runners), params);
+  if (runners.size() > params.second_heat) { runners.resize(params.second_heat); }
+  runners = after_heat(fields, evenly_picked(points, params.second_heat_points), scorer, std::move(runners), params);
   std::vector<Pose2> poses;
-  poses.reserve(sure + best.size());
-  for (std::size_t i = 0; i < sure; ++i) { poses.push_back(coarse[i].map_from_sensor); }
-  for (const Ranked& ranked : best) { poses.push_back(coarse[ranked.index].map_from_sensor); }
+  poses.reserve(params.refined);
+  for (const Runner& runner : best_by_beams(points, scorer, runners, params)) {
+    poses.push_back(runner.map_from_sensor);
+  }
   return poses;
 }
 
 std::vector<ScoredPose> search(const MapFields& fields, const ScanPoints& points, const SearchParams& params) {
   const std::vector<CoarsePose> coarse = dense_search(fields, points, params.dense);
-  return distinct(judge(fields, points, ranked_candidates(fields, points, coarse, params), params), params);
+  return distinct(judge(fields, points, finalists(fields, points, coarse, params), params), params);
 }
 
 std::vector<ScoredPose> search(const MapFields& fields, const Scan& scan, const SearchParams& params) {

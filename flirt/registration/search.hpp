@@ -28,11 +28,13 @@ struct SearchParams {
   DenseSearchParams dense{};
   EvidenceScoreParams score{};
   RefineParams refine{};
-  std::uint32_t ranking_rays{20};  ///< beams, evenly picked, that are followed when coarse poses are ranked
-  double ray_weight{1.0};          ///< coarse value lost when all beams cross something solid
-  std::uint32_t refined{60};       ///< best ranked coarse poses that are refined and scored
-  std::uint32_t unranked{10};      ///< of them the best by coarse value alone, whatever their beams cross
-  double distinct_distance{0.5};   ///< m, poses nearer than this and
+  std::uint32_t heat_steps{1};           ///< iterations of refinement in each heat (see `finalists`)
+  std::uint32_t first_heat_points{30};   ///< end points, evenly picked, of the first heat
+  std::uint32_t second_heat{200};        ///< best coarse poses of the first heat that get into the second
+  std::uint32_t second_heat_points{60};  ///< end points, evenly picked, of the second heat
+  std::uint32_t heat_rays{20};           ///< beams, evenly picked, that are followed after the second heat
+  std::uint32_t refined{30};             ///< best of the second heat that are refined to the end and scored
+  double distinct_distance{0.5};         ///< m, poses nearer than this and
   double distinct_heading{radians_from_degrees(10)};  ///< rad, turned less than this are one pose
 };
 
@@ -43,10 +45,12 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit_fields(params.dense, visit);
   visit_fields(params.score, visit);
   visit_fields(params.refine, visit);
-  visit(params.ranking_rays, Field{"ranking_rays", "", "beams followed when coarse poses are ranked", 1, 10000});
-  visit(params.ray_weight, Field{"ray_weight", "", "coarse value lost when all beams cross something solid", 0, 10});
-  visit(params.refined, Field{"refined", "", "best ranked coarse poses that are refined", 1, 100000});
-  visit(params.unranked, Field{"unranked", "", "of them the best by coarse value alone", 0, 100000});
+  visit(params.heat_steps, Field{"heat_steps", "", "iterations of refinement in each heat", 0, 100});
+  visit(params.first_heat_points, Field{"first_heat_points", "", "end points of the first heat", 1, 10000});
+  visit(params.second_heat, Field{"second_heat", "", "coarse poses that get into the second heat", 1, 100000});
+  visit(params.second_heat_points, Field{"second_heat_points", "", "end points of the second heat", 1, 10000});
+  visit(params.heat_rays, Field{"heat_rays", "", "beams followed after the second heat", 1, 10000});
+  visit(params.refined, Field{"refined", "", "best of the second heat that are refined to the end", 1, 100000});
   visit(params.distinct_distance, Field{"distinct_distance", "m", "poses nearer than this may be one", 0, 10});
   visit(params.distinct_heading, Field{"distinct_heading", "rad", "poses turned less than this may be one", 0, 3.2});
 }
@@ -68,12 +72,15 @@ struct ScoredPose {
 /// distinct poses.
 [[nodiscard]] std::vector<ScoredPose> distinct(std::vector<ScoredPose> poses, const SearchParams& params = {});
 
-/// The `params.refined` best of `coarse` (best first, as dense_search gives them) by value and by beams that cross
-/// something solid, best first; before them, and counted among them, the `params.unranked` best by value alone.
-[[nodiscard]] std::vector<Pose2> ranked_candidates(const MapFields& fields, const ScanPoints& points,
-                                                   std::span<const CoarsePose> coarse, const SearchParams& params = {});
+/// The `params.refined` of `coarse` that are worth being refined to the end, drawn a little closer, most promising
+/// first. Two heats: in each all poses are drawn closer by `heat_steps` and the best by preference stay; few end points
+/// decide the first, more of them, and beams, the second. A coarse pose 0.1 m and a degree off says little of the
+/// place: one step, even by every fourth point, says more than all beams did before it. O(coarse poses · points of a
+/// heat).
+[[nodiscard]] std::vector<Pose2> finalists(const MapFields& fields, const ScanPoints& points,
+                                           std::span<const CoarsePose> coarse, const SearchParams& params = {});
 
-/// Dense search, ranking by beams, refinement, score, merge.
+/// Dense search, heats, refinement, score, merge.
 [[nodiscard]] std::vector<ScoredPose> search(const MapFields& fields, const ScanPoints& points,
                                              const SearchParams& params = {});
 [[nodiscard]] std::vector<ScoredPose> search(const MapFields& fields, const Scan& scan,

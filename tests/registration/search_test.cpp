@@ -95,38 +95,60 @@ TEST(Search, TakesScansOfAFewPoints) {
   }
 }
 
-TEST(Search, RankingStopsEarlyWithoutChangingTheResult) {
+TEST(Search, FinalistsAreThoseOfHeatsThatLeaveNothingOut) {
   const auto walls = asymmetric_room();
   const MapFields fields = map_fields(evidence_of(walls, walk({})));
   const ScanPoints points = scan_points(scan_of(walls, {3.1, 3.3, 0.4}, half_turn));
   SearchParams params;
-  params.refined = 40;
-  params.unranked = 0;
+  params.refined = 20;
+  params.first_heat_points = params.second_heat_points = 1000;  // all
+  params.heat_rays = 1000;
   const std::vector<CoarsePose> coarse = dense_search(fields, points, params.dense);
-  const std::vector<Pose2> quick = ranked_candidates(fields, points, coarse, params);
   const EvidenceScorer scorer(fields, params.score);
-  const std::size_t stride = (points.size() + params.ranking_rays - 1) / params.ranking_rays;
-  std::vector<std::pair<double, std::size_t>> slow;
-  for (std::size_t i = 0; i < coarse.size(); ++i) {
-    const double through = scorer.through(points, coarse[i].map_from_sensor, stride);
-    slow.emplace_back(-(coarse[i].value - params.ray_weight * through), i);
-  }
-  std::ranges::sort(slow);
-  ASSERT_EQ(quick.size(), 40U);
-  for (std::size_t i = 0; i < quick.size(); ++i) { EXPECT_EQ(quick[i], coarse[slow[i].second].map_from_sensor) << i; }
+  const RefineParams one_step{.iterations = 1};
+  const auto drawn = [&](const std::vector<Pose2>& poses, bool beams_count, std::size_t most) {
+    std::vector<std::pair<double, Pose2>> valued;
+    for (const Pose2& start : poses) {
+      const Pose2 pose = refined_pose(fields, points, start, one_step);
+      const EvidenceScore score = beams_count ? scorer.score(points, pose) : scorer.score_of_end_points(points, pose);
+      valued.emplace_back(score.preference, pose);
+    }
+    std::ranges::stable_sort(valued, std::ranges::greater{}, &std::pair<double, Pose2>::first);
+    std::vector<Pose2> best;
+    for (std::size_t i = 0; i < std::min(most, valued.size()); ++i) { best.push_back(valued[i].second); }
+    return best;
+  };
+  std::vector<Pose2> starts;
+  for (const CoarsePose& pose : coarse) { starts.push_back(pose.map_from_sensor); }
+  const std::vector<Pose2> slow = drawn(drawn(starts, false, params.second_heat), true, params.refined);
+  const std::vector<Pose2> quick = finalists(fields, points, coarse, params);
+  ASSERT_EQ(quick.size(), 20U);
+  for (std::size_t i = 0; i < quick.size(); ++i) { EXPECT_LT(distance(quick[i], slow[i]), 1e-9) << i; }
 }
 
-TEST(Search, TheBestCoarsePosesStayWhateverTheirBeamsCross) {
+TEST(Search, FinalistsFindATruthThatIsFarDownTheCoarseList) {
+  const auto walls = asymmetric_room();
+  const MapFields fields = map_fields(evidence_of(walls, walk({})));
+  const Pose2 truth{3.1, 3.3, 0.4};
+  const ScanPoints points = scan_points(scan_of(walls, truth, half_turn));
+  SearchParams params;
+  params.refined = 5;
+  std::vector<CoarsePose> coarse = dense_search(fields, points, params.dense);
+  std::ranges::reverse(coarse);  // the order must not matter
+  ASSERT_GT(coarse.size(), params.second_heat);
+  const std::vector<Pose2> found = finalists(fields, points, coarse, params);
+  ASSERT_EQ(found.size(), 5U);
+  EXPECT_LT(distance(found[0], truth), 0.06);
+  EXPECT_LT(heading_difference(found[0], truth), radians_from_degrees(1));
+}
+
+TEST(Search, ThereAreNoMoreFinalistsThanCoarsePoses) {
   const auto walls = asymmetric_room();
   const MapFields fields = map_fields(evidence_of(walls, walk({})));
   const ScanPoints points = scan_points(scan_of(walls, {3.1, 3.3, 0.4}, half_turn));
-  SearchParams params;
-  params.refined = 12;
-  params.unranked = 7;
-  const std::vector<CoarsePose> coarse = dense_search(fields, points, params.dense);
-  const std::vector<Pose2> kept = ranked_candidates(fields, points, coarse, params);
-  ASSERT_EQ(kept.size(), 12U);
-  for (std::size_t i = 0; i < 7; ++i) { EXPECT_EQ(kept[i], coarse[i].map_from_sensor) << i; }
+  const std::vector<CoarsePose> three{{{3, 3, 0}}, {{2, 4, 1}}, {{6, 2, 2}}};
+  EXPECT_EQ(finalists(fields, points, three).size(), 3U);
+  EXPECT_TRUE(finalists(fields, points, {}).empty());
 }
 
 }  // namespace
