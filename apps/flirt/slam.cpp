@@ -60,9 +60,13 @@ ScanLog every_kth(ScanLog log, std::size_t k) {
 
 /// What the run made of the log's odometry.
 std::string odometry_use(const SlamOptions& options, const ScanLog& log) {
-  std::size_t with = 0;
-  for (const Scan& scan : log.scans) { with += scan.odom_from_robot ? 1 : 0; }
-  if (with == 0) { return "none in the log"; }
+  std::vector<Pose2> stated;
+  for (const Scan& scan : log.scans) {
+    if (scan.odom_from_robot) { stated.push_back(*scan.odom_from_robot); }
+  }
+  if (stated.empty()) { return "none in the log"; }
+  const bool moves = std::ranges::any_of(stated, [&](const Pose2& pose) { return pose != stated.front(); });
+  if (!moves && stated.size() > 1) { return "none: that of the log never moves"; }
   return options.slam.odometry == OdometryUse::ignore || options.slam.window > 0 ? "ignored" : "used";
 }
 

@@ -11,6 +11,8 @@
 #include <hwy/highway.h>
 // clang-format on
 
+#include "flirt/registration/byte_sums-inl.hpp"
+
 #ifndef FLIRT_REGISTRATION_DENSE_KERNELS_ONCE
 #define FLIRT_REGISTRATION_DENSE_KERNELS_ONCE
 namespace flirt::dense {
@@ -45,6 +47,7 @@ namespace flirt::dense::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
+using flirt::HWY_NAMESPACE::add_to_words;
 
 using Bytes = hn::CappedTag<std::uint8_t, lanes>;
 constexpr std::size_t byte_lanes = hn::MaxLanes(Bytes{});
@@ -61,20 +64,6 @@ void offsets_of(const std::int32_t* x, const std::int32_t* y, std::size_t count,
     const auto to_y = hn::Clamp(hn::Add(hn::LoadU(d, y + k), y0), hn::Set(d, reading.min_y), hn::Set(d, reading.max_y));
     const auto offset = hn::Add(hn::Mul(to_x, hn::Set(d, reading.scale)), hn::Mul(to_y, hn::Set(d, reading.stride)));
     hn::StoreU(offset, d, offsets + k);
-  }
-}
-
-/// sums[i] += bytes[i]
-template <class V>
-void add_to_words(V bytes, std::uint16_t* sums) {
-  const hn::Half<Bytes> d8_half;
-  const hn::Rebind<std::uint16_t, decltype(d8_half)> d16;
-  constexpr std::size_t half_lanes = hn::MaxLanes(hn::Half<Bytes>());
-  alignas(64) std::uint8_t stored[byte_lanes];
-  hn::Store(bytes, Bytes(), stored);
-  for (std::size_t i = 0; i < byte_lanes; i += half_lanes) {
-    const auto more = hn::PromoteTo(d16, hn::LoadU(d8_half, stored + i));
-    hn::StoreU(hn::Add(hn::LoadU(d16, sums + i), more), d16, sums + i);
   }
 }
 
@@ -98,10 +87,10 @@ void bound_panel(const std::uint8_t* peaks, std::size_t stride, const std::int32
         row2 = hn::Add(row2, hn::LoadU(d8, first + 2 * stride));
         row3 = hn::Add(row3, hn::LoadU(d8, first + 3 * stride));
       }
-      add_to_words(row0, sums + part * byte_lanes);
-      add_to_words(row1, sums + lanes + part * byte_lanes);
-      add_to_words(row2, sums + 2 * lanes + part * byte_lanes);
-      add_to_words(row3, sums + 3 * lanes + part * byte_lanes);
+      add_to_words(d8, row0, sums + part * byte_lanes);
+      add_to_words(d8, row1, sums + lanes + part * byte_lanes);
+      add_to_words(d8, row2, sums + 2 * lanes + part * byte_lanes);
+      add_to_words(d8, row3, sums + 3 * lanes + part * byte_lanes);
     }
   }
   // The larger of each two tiles, in sixteenths rounded up; the narrowing to bytes saturates.
@@ -146,8 +135,8 @@ void search_pair(const std::uint8_t* quads, const std::int32_t* x, const std::in
         odd = hn::Add(odd, hn::LoadU(d8, corner + offsets[k + 1]));
       }
       if (k < end) { even = hn::Add(even, hn::LoadU(d8, corner + offsets[k])); }
-      add_to_words(even, sums + part * byte_lanes);
-      add_to_words(odd, sums + part * byte_lanes);
+      add_to_words(d8, even, sums + part * byte_lanes);
+      add_to_words(d8, odd, sums + part * byte_lanes);
     }
     if (largest_of(sums) + (count - end) * largest < least) {
       keys[0] = 0;

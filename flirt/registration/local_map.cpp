@@ -50,7 +50,7 @@ std::uint8_t value_of(std::uint32_t rings) {
 LocalMap::LocalMap() : values_(std::size_t{value_period} * (value_period + row_length), 0) {}
 
 void LocalMap::set_value(CellIndex index, std::uint32_t rings) {
-  const std::size_t at = value_offset(index);
+  const auto at = static_cast<std::size_t>(row_begin(index));
   values_[at] = value_of(rings);
   const std::uint32_t column = static_cast<std::uint32_t>(index.x) & static_cast<std::uint32_t>(value_period - 1);
   // The first columns stand once more behind the last ones, so that rows can be read over the seam.

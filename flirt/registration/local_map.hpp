@@ -83,8 +83,15 @@ class LocalMap {
   [[nodiscard]] Agreed agreement(std::span<const SurfacePoints> scans, const Pose2& map_from_robot) const;
 
   /// Values of cells (x, y), (x + 1, y), … for `row_length` cells: `largest` on end points, falling to 0 at 0.3 m.
-  [[nodiscard]] const std::uint8_t* row(CellIndex first) const { return values_.data() + value_offset(first); }
+  [[nodiscard]] const std::uint8_t* row(CellIndex first) const { return values() + row_begin(first); }
   static constexpr std::int32_t row_length = 32;
+  static constexpr std::int32_t value_period = 1024;  ///< cells after which the place of values repeats
+  /// The same in two steps: where all values lie, and where among them a row begins.
+  [[nodiscard]] const std::uint8_t* values() const { return values_.data(); }
+  static constexpr std::int32_t row_begin(CellIndex first) {
+    constexpr std::int32_t mask = value_period - 1;
+    return (first.y & mask) * (value_period + row_length) + (first.x & mask);
+  }
   static constexpr std::uint8_t largest = 15;
 
   [[nodiscard]] const SurfaceCell& surface(CellIndex index) const { return surface_[index]; }
@@ -92,14 +99,8 @@ class LocalMap {
   [[nodiscard]] std::size_t bytes() const { return values_.size() + surface_.bytes() + passes_.bytes(); }
 
  private:
-  static constexpr std::int32_t value_period = 1024;  // cells
   enum class Change : std::uint8_t { add, remove };
 
-  static std::size_t value_offset(CellIndex index) {
-    constexpr auto mask = static_cast<std::uint32_t>(value_period - 1);
-    return (static_cast<std::uint32_t>(index.y) & mask) * static_cast<std::size_t>(value_period + row_length) +
-           (static_cast<std::uint32_t>(index.x) & mask);
-  }
   template <Change change>
   void count(const SurfacePoints& points, const Pose2& map_from_robot);
   template <Change change>

@@ -1,17 +1,17 @@
 #include "flirt/registration/window_bounds.hpp"
 
+#include "flirt/registration/window_kernels.hpp"
+
 #include <algorithm>
 #include <array>
+#include <tuple>
 
 namespace flirt {
 namespace {
 
 constexpr std::int32_t lanes = 2 * WindowBounds::strip_tiles;  // tiles that are summed side by side
-constexpr std::size_t cells_in_a_byte = 17;                    // 17 · 15 = 255
 static_assert(WindowBounds::strip_tiles * WindowBounds::tile_side == LocalMap::row_length);
-static_assert(cells_in_a_byte * LocalMap::largest <= 255);
-
-using Lanes = std::array<std::uint16_t, lanes>;
+static_assert(lanes == std::tuple_size_v<window::TileSums>);
 
 /// into[i] = max(into[i], other[i]); a loop that compilers turn into vectors.
 void take_maximum(std::uint8_t* into, const std::uint8_t* other, std::size_t n) {
@@ -61,23 +61,17 @@ WindowBounds::WindowBounds(const LocalMap& map, CellIndex middle, std::int32_t r
 
 std::vector<std::uint16_t> WindowBounds::of(std::span<const CellIndex> cells) const {
   const std::int32_t count = strips();
+  std::vector<std::int32_t> offsets;
+  offsets.reserve(cells.size());
+  for (const CellIndex& cell : cells) { offsets.push_back(offset_of({cell.x - reach_, cell.y - reach_})); }
   std::vector<std::uint16_t> bounds;
   bounds.reserve(static_cast<std::size_t>(tile_rows()) * static_cast<std::size_t>(count));
   for (std::int32_t row = 0; row < tile_rows(); ++row) {
-    const std::int32_t y = tile_side * row - reach_;
     for (std::int32_t strip = 0; strip < count; strip += 2) {
-      const std::int32_t x = LocalMap::row_length * strip - reach_;
-      Lanes sums{};
-      for (std::size_t begin = 0; begin < cells.size(); begin += cells_in_a_byte) {
-        std::array<std::uint8_t, lanes> bytes{};
-        for (const CellIndex& cell : cells.subspan(begin, std::min(cells_in_a_byte, cells.size() - begin))) {
-          const std::uint8_t* largest = at({cell.x + x, cell.y + y});
-          for (std::size_t k = 0; k < bytes.size(); ++k) {
-            bytes[k] = static_cast<std::uint8_t>(bytes[k] + largest[k]);
-          }
-        }
-        for (std::size_t k = 0; k < bytes.size(); ++k) { sums[k] = static_cast<std::uint16_t>(sums[k] + bytes[k]); }
-      }
+      // Tiles lie side by side, and tile_side rows of cells above each other.
+      const std::size_t corner = static_cast<std::size_t>(row) * tile_side * tile_side * stride_ +
+                                 static_cast<std::size_t>(strip) * strip_tiles;
+      const window::TileSums sums = window::sum_tiles(largest_.data() + corner, offsets);
       bounds.push_back(*std::max_element(sums.begin(), sums.begin() + strip_tiles));
       if (strip + 1 < count) { bounds.push_back(*std::max_element(sums.begin() + strip_tiles, sums.end())); }
     }

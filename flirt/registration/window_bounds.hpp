@@ -27,10 +27,10 @@ class WindowBounds {
   [[nodiscard]] std::vector<std::uint16_t> of(std::span<const CellIndex> cells) const;
 
  private:
-  [[nodiscard]] const std::uint8_t* at(CellIndex index) const {
-    const auto x = static_cast<std::size_t>(index.x - first_.x);
-    const auto y = static_cast<std::size_t>(index.y - first_.y);
-    return largest_.data() + (y * tile_side + x % tile_side) * stride_ + x / tile_side;
+  [[nodiscard]] std::int32_t offset_of(CellIndex index) const {
+    const std::int32_t x = index.x - first_.x;
+    const std::int32_t y = index.y - first_.y;
+    return (y * tile_side + x % tile_side) * static_cast<std::int32_t>(stride_) + x / tile_side;
   }
 
   std::int32_t reach_;

@@ -1,6 +1,7 @@
 #include "flirt/registration/window_search.hpp"
 
 #include "flirt/registration/window_bounds.hpp"
+#include "flirt/registration/window_kernels.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,24 +13,15 @@ namespace {
 
 constexpr std::int32_t tile_side = WindowBounds::tile_side;
 constexpr std::size_t tile_headings = 3;
-constexpr std::size_t points_in_a_byte = 17;  // 17 · 15 = 255
-constexpr std::int32_t worth_bounds = 10;     // cells of reach; in smaller windows bounds cost more than they save
+constexpr std::int32_t worth_bounds = 10;  // cells of reach; in smaller windows bounds cost more than they save
 
-using RowSums = std::array<std::uint16_t, LocalMap::row_length>;
+using window::RowSums;
 
-/// Sums over the cells of the points, for 32 places side by side.
-RowSums row_sums(const LocalMap& map, const std::vector<CellIndex>& cells, std::int32_t x, std::int32_t y) {
-  RowSums sums{};
-  for (std::size_t begin = 0; begin < cells.size(); begin += points_in_a_byte) {
-    const std::size_t end = std::min(cells.size(), begin + points_in_a_byte);
-    std::array<std::uint8_t, LocalMap::row_length> bytes{};
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::uint8_t* row = map.row({cells[i].x + x, cells[i].y + y});
-      for (std::size_t k = 0; k < bytes.size(); ++k) { bytes[k] = static_cast<std::uint8_t>(bytes[k] + row[k]); }
-    }
-    for (std::size_t k = 0; k < bytes.size(); ++k) { sums[k] = static_cast<std::uint16_t>(sums[k] + bytes[k]); }
-  }
-  return sums;
+/// Sums over the cells of the points, for 32 places side by side. `offsets` is room for as many numbers.
+RowSums row_sums(const LocalMap& map, std::span<const CellIndex> cells, std::int32_t x, std::int32_t y,
+                 std::span<std::int32_t> offsets) {
+  window::row_offsets(cells, x, y, offsets);
+  return window::sum_rows(map.values(), offsets);
 }
 
 /// At most about `most` points, evenly picked.
@@ -158,9 +150,10 @@ class Promising {
     const std::uint16_t limit = highest(*most);
     const auto heading = static_cast<std::size_t>(most - bounds_.begin());
     std::int32_t best = 0;
+    std::vector<std::int32_t> offsets(cells[heading].size());
     for_each_row(heading, [&](std::int32_t x, std::int32_t y) {
       if (bound(heading, x, y) < limit) { return; }
-      const RowSums sums = row_sums(map, cells[heading], x, y);
+      const RowSums sums = row_sums(map, cells[heading], x, y, offsets);
       const std::int32_t last_x = std::min(LocalMap::row_length, reach_ - x + 1);
       best = std::max<std::int32_t>(best, *std::max_element(sums.begin(), sums.begin() + last_x));
     });
@@ -214,11 +207,12 @@ std::vector<WindowPose> search_window(const LocalMap& map, std::span<const Surfa
   Promising promising(map, cells, picked, window, reach);
   TileMaxima maxima(reach);
   std::vector<Place> places;
+  std::vector<std::int32_t> offsets(picked.size());
   for (std::int32_t heading = -turn_steps; heading <= last; ++heading) {
     const std::int32_t from_first = heading + turn_steps;
     const auto index = static_cast<std::size_t>(from_first);
     promising.for_each_row(index, [&](std::int32_t x, std::int32_t y) {
-      const RowSums sums = row_sums(map, cells[index], x, y);
+      const RowSums sums = row_sums(map, cells[index], x, y, offsets);
       promising.raise(maxima.add_row(sums, x, y, heading));
     });
     if (index % tile_headings == tile_headings - 1 || heading == last) {

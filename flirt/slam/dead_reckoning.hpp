@@ -17,8 +17,11 @@ class DeadReckoning {
  public:
   explicit DeadReckoning(const SlamParams& params) : params_(params) {}
 
+  /// Odometry that has said the same from the beginning on is none: many a log has zeros there.
   [[nodiscard]] bool uses_odometry(const SlamScan& scan) const {
-    return params_.odometry == OdometryUse::use && params_.window == 0 && scan.odom_from_robot && last_odometry_;
+    const bool is_there =
+        params_.odometry == OdometryUse::use && params_.window == 0 && scan.odom_from_robot && last_odometry_;
+    return is_there && (has_moved_ || *scan.odom_from_robot != *last_odometry_);
   }
   [[nodiscard]] Pose2 motion(const SlamScan& scan) const {
     return uses_odometry(scan) ? inverse(*last_odometry_) * *scan.odom_from_robot : last_motion_;
@@ -41,13 +44,17 @@ class DeadReckoning {
   /// To be told of every scan, with the motion that was found in the end.
   void remember(const SlamScan& scan, const Pose2& found) {
     last_motion_ = found;
+    has_moved_ = has_moved_ || (scan.odom_from_robot && last_odometry_ && *scan.odom_from_robot != *last_odometry_);
     last_odometry_ = scan.odom_from_robot;
   }
+  /// The last motion says nothing of the next one.
+  void forget_motion() { last_motion_ = {}; }
 
  private:
   SlamParams params_;
   std::optional<Pose2> last_odometry_{};
   Pose2 last_motion_{};
+  bool has_moved_{false};  ///< odometry did, ever
 };
 
 }  // namespace flirt

@@ -11,6 +11,7 @@ namespace flirt {
 namespace {
 
 constexpr std::size_t fewest_points = 15;  // of a scan that can be placed at all
+constexpr double fewest_known = 8;         // of its points, by their weights, must lie on known surfaces
 constexpr std::uint32_t most_blind = 3;    // scans in a row without a believable pose
 constexpr double other_way = 0.3;          // rad, between poses that look in different directions
 
@@ -20,15 +21,6 @@ double way(const Pose2& motion) {
 }
 
 }  // namespace
-
-bool ScanFrontEnd::uses_odometry(const SlamScan& scan) const {
-  return params_.odometry == OdometryUse::use && params_.window == 0 && scan.odom_from_robot && last_odometry_;
-}
-
-Pose2 ScanFrontEnd::predicted(const SlamScan& scan) const {
-  const Pose2 motion = uses_odometry(scan) ? inverse(*last_odometry_) * *scan.odom_from_robot : last_motion_;
-  return recent_.back() * motion;
-}
 
 ScanFrontEnd::Judged ScanFrontEnd::judge(const SurfacePoints& points, const Pose2& start,
                                          const Pose2& prediction) const {
@@ -113,7 +105,7 @@ std::optional<Pose2> ScanFrontEnd::rival(std::span<const Judged> tried, const Ju
 }
 
 ScanFrontEnd::Placed ScanFrontEnd::place(const SlamScan& scan, const Pose2& prediction) {
-  const bool odometry = uses_odometry(scan);
+  const bool odometry = reckoning_.uses_odometry(scan);
   std::vector<Judged> tried{judge(scan.points, prediction, prediction)};
   std::size_t best = 0;
   MotionSource source = MotionSource::narrow;
@@ -174,15 +166,16 @@ void ScanFrontEnd::restart(const SlamScan& scan, const Pose2& local_from_robot) 
 void ScanFrontEnd::remember(const SlamScan& scan, const Pose2& local_from_robot) {
   constexpr std::size_t remembered = 4;
   constexpr std::size_t remembered_steps = 20;
+  Pose2 motion;
   if (!recent_.empty()) {
-    last_motion_ = inverse(recent_.back()) * local_from_robot;
-    travel_ += way(last_motion_);
-    steps_.push_back(norm(last_motion_.translation()));
+    motion = inverse(recent_.back()) * local_from_robot;
+    travel_ += way(motion);
+    steps_.push_back(norm(motion.translation()));
     if (steps_.size() > remembered_steps) { steps_.pop_front(); }
   }
   recent_.push_back(local_from_robot);
   if (recent_.size() > remembered) { recent_.erase(recent_.begin()); }
-  last_odometry_ = scan.odom_from_robot;
+  reckoning_.remember(scan, motion);
   add_to_map(scan, local_from_robot);
 }
 
@@ -190,7 +183,7 @@ void ScanFrontEnd::remember(const SlamScan& scan, const Pose2& local_from_robot)
 /// that is all there is, by as far as a motion can be searched for.
 Eigen::Vector3d ScanFrontEnd::unmeasured(const ScanMotion& motion, const SlamScan& scan) const {
   constexpr double rotation = 1;  // rad
-  if (motion.source != MotionSource::prediction || uses_odometry(scan)) {
+  if (motion.source != MotionSource::prediction || reckoning_.uses_odometry(scan)) {
     return {params_.floor_translation, params_.floor_translation, params_.floor_rotation};
   }
   const double translation = 0.5 * wide_extent();  // two deviations
@@ -246,7 +239,7 @@ ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
     remember(scan, {params_.start_x, params_.start_y, params_.start_theta});
     return motion;
   }
-  const Pose2 prediction = predicted(scan);
+  const Pose2 prediction = recent_.back() * reckoning_.motion(scan);
   Judged found{prediction, {}, -1e9};
   std::optional<Pose2> rival;
   motion.source = MotionSource::prediction;
@@ -255,10 +248,10 @@ ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
     const auto& [best, source, other] = placed;
     motion.score = best.score;
     const double known_points = best.terms.weight;
-    if (best.quality >= params_.usable_score && known_points >= static_cast<double>(fewest_points)) {
+    if (best.quality >= params_.usable_score && known_points >= fewest_known) {
       found = best;
       motion.source = source;
-      if (!uses_odometry(scan)) { rival = other; }  // odometry tells them apart
+      if (!reckoning_.uses_odometry(scan)) { rival = other; }  // odometry tells them apart
     }
   }
   const Hold hold = hold_of(scan.points, map_, found.local_from_robot);
@@ -275,7 +268,7 @@ ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
   add_relative(motion, found, floor);
   remember(scan, found.local_from_robot);
   blind_ = motion.source == MotionSource::prediction ? blind_ + 1 : 0;
-  if (blind_ > 0) { last_motion_ = {}; }
+  if (blind_ > 0) { reckoning_.forget_motion(); }
   if (blind_ == most_blind) { restart(scan, found.local_from_robot); }
   return motion;
 }

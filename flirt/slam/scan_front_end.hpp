@@ -5,6 +5,7 @@
 #include "flirt/match/pair_matcher.hpp"
 #include "flirt/registration/local_map.hpp"
 #include "flirt/registration/surface_alignment.hpp"
+#include "flirt/slam/dead_reckoning.hpp"
 #include "flirt/slam/front_end.hpp"
 #include "flirt/slam/hold.hpp"
 #include "flirt/slam/slam_params.hpp"
@@ -23,7 +24,7 @@ namespace flirt {
 class ScanFrontEnd {
  public:
   explicit ScanFrontEnd(const SlamParams& params)
-      : params_(params), matcher_(MatchParams{}, RansacParams{.min_inliers = 4}) {}
+      : params_(params), reckoning_(params), matcher_(MatchParams{}, RansacParams{.min_inliers = 4}) {}
 
   [[nodiscard]] ScanMotion add(const SlamScan& scan);
 
@@ -41,8 +42,6 @@ class ScanFrontEnd {
     double travel;
   };
 
-  [[nodiscard]] Pose2 predicted(const SlamScan& scan) const;
-  [[nodiscard]] bool uses_odometry(const SlamScan& scan) const;
   [[nodiscard]] Judged judge(const SurfacePoints& points, const Pose2& start, const Pose2& prediction) const;
   struct Placed {
     Judged best;
@@ -67,14 +66,13 @@ class ScanFrontEnd {
   void add_relative(ScanMotion& motion, const Judged& found, const Eigen::Vector3d& floor) const;
 
   SlamParams params_;
+  DeadReckoning reckoning_;
   LocalMap map_{};
   std::deque<MapScan> map_scans_{};
   FeatureExtractor extractor_{};
   PairMatcher matcher_;
   std::deque<double> steps_{};   ///< m, of the last motions found
   std::vector<Pose2> recent_{};  ///< local_from_robot of the last four scans
-  std::optional<Pose2> last_odometry_{};
-  Pose2 last_motion_{};
   double travel_{0};
   std::uint32_t blind_{0};          ///< scans in a row that were not believed
   std::uint32_t seen_in_a_row_{0};  ///< motions up to the last that could be seen

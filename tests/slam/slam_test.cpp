@@ -1,5 +1,6 @@
 #include "flirt/slam/slam.hpp"
 
+#include "flirt/core/rng.hpp"
 #include "flirt/eval/trajectory_metrics.hpp"
 #include "flirt/sim/office.hpp"
 #include "flirt/sim/simulate.hpp"
@@ -44,6 +45,13 @@ TEST(Slam, MapsABuildingFromDriftingOdometryAndWithoutAny) {
   EXPECT_GT(with.summary().closures, 10U);
   EXPECT_EQ(with.summary().predictions, 0U);
   EXPECT_LT(error_of(mapped(log, {.odometry = OdometryUse::ignore}), log), 0.05);
+}
+
+TEST(Slam, TakesOdometryThatNeverMovesForNone) {
+  ScanLog log = building().log;
+  log.scans.resize(150);
+  for (Scan& scan : log.scans) { scan.odom_from_robot = Pose2{}; }
+  EXPECT_EQ(mapped(log).graph().map_from_node, mapped(log, {.odometry = OdometryUse::ignore}).graph().map_from_node);
 }
 
 TEST(Slam, ClosesNoLoopWrongly) {
@@ -94,6 +102,43 @@ TEST(Slam, AcceptsALogOfNothing) {
   for (int i = 0; i < 5; ++i) { slam.add(Scan{}); }
   slam.finish();
   EXPECT_EQ(slam.graph().map_from_node, std::vector<Pose2>(5));
+}
+
+/// Table legs 4 cm thick, seen to 4 m: some twenty points a scan, and no wall.
+Scan scan_among_legs(const Pose2& map_from_robot) {
+  Rng rng(7);
+  std::vector<Point2> legs(66);
+  for (Point2& leg : legs) { leg = {rng.uniform(-3, 9), rng.uniform(-3, 3)}; }
+  Scan scan{.beams = {radians_from_degrees(-120), radians_from_degrees(0.35), 0.05, 4}};
+  for (std::size_t i = 0; i < 686; ++i) {
+    const double bearing = map_from_robot.theta + scan.beams.angle(i);
+    const Point2 ray{std::cos(bearing), std::sin(bearing)};
+    double range = std::numeric_limits<double>::infinity();
+    for (const Point2& leg : legs) {
+      constexpr double radius = 0.02;
+      const Point2 to = leg - map_from_robot.translation();
+      const double along = dot(to, ray);
+      const double aside = to.x * ray.y - to.y * ray.x;
+      if (along > 0.2 && along < 4 && std::abs(aside) < radius) {
+        range = std::min(range, along - std::sqrt(radius * radius - aside * aside));
+      }
+    }
+    scan.ranges.push_back(range);
+  }
+  scan.stamp = map_from_robot.x;
+  return scan;
+}
+
+TEST(Slam, FollowsARobotAmongTableLegs) {
+  Slam slam;
+  std::vector<Pose2> truth;
+  for (int i = 0; i < 60; ++i) {
+    truth.push_back({0.1 * i, 0.3 * std::sin(0.1 * i), 0.3 * std::cos(0.1 * i) - 0.3});
+    slam.add(scan_among_legs(truth.back()));
+  }
+  slam.finish();
+  EXPECT_EQ(slam.summary().predictions, 0U);
+  EXPECT_LT(distance(slam.graph().map_from_node.back(), truth.back()), 0.1);
 }
 
 /// Two parallel walls 60 m long, seen to 8 m: nothing tells how far along one is.
