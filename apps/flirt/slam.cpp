@@ -144,6 +144,7 @@ void print(const SlamOptions& options, const SlamRun& run, const LogReport& repo
   }
   if (s.unobservable > 0) {
     fmt::print("{} motions could not be seen in some direction: see summary.json\n", s.unobservable);
+    if (s.pieces > 1) { fmt::print("only they hold {} pieces of the map together\n", s.pieces); }
   }
   if (s.predictions > 0) { fmt::print("{} scans were placed by prediction alone\n", s.predictions); }
   const SlamTimes& t = s.seconds;

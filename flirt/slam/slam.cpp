@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <variant>
@@ -24,6 +25,36 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
+
+/// Sets of nodes that edges hold together (union and find).
+class Parts {
+ public:
+  explicit Parts(std::size_t nodes) : parent_(nodes), size_(nodes, 1) {
+    std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = root_of(a);
+    b = root_of(b);
+    if (a == b) { return; }
+    parent_[b] = a;
+    size_[a] += size_[b];
+  }
+  /// Sets of two nodes or more.
+  [[nodiscard]] std::size_t count() {
+    std::size_t n = 0;
+    for (std::uint32_t i = 0; i < parent_.size(); ++i) { n += parent_[i] == i && size_[i] > 1 ? 1 : 0; }
+    return n;
+  }
+
+ private:
+  std::uint32_t root_of(std::uint32_t node) {
+    while (parent_[node] != node) { node = parent_[node] = parent_[parent_[node]]; }
+    return node;
+  }
+
+  std::vector<std::uint32_t> parent_;
+  std::vector<std::uint32_t> size_;  // of a root's set
+};
 
 }  // namespace
 
@@ -114,6 +145,15 @@ struct Slam::State {
       if (fit[i] < params.repair_fit || unsure(i) || unsure(i + 1)) { nodes.push_back(i); }
     }
     return nodes;
+  }
+
+  [[nodiscard]] std::size_t pieces() const {
+    Parts parts(graph.map_from_node.size());
+    for (const PoseEdge& edge : graph.edges) {
+      const bool is_unseen = edge.kind == EdgeKind::motion && edge.b >= joined && steps[edge.b - joined].unobservable;
+      if (!is_unseen) { parts.join(edge.a, edge.b); }
+    }
+    return parts.count();
   }
 
   /// Nodes before `first_free` keep their poses.
@@ -229,6 +269,7 @@ const std::vector<SlamStep>& Slam::steps() const {
 SlamSummary Slam::summary() const {
   SlamSummary summary = state_->summary;
   summary.scans = state_->steps.size();
+  summary.pieces = state_->pieces();
   for (const SlamStep& step : state_->steps) {
     summary.closures += step.closures;
     summary.unobservable += step.unobservable ? 1 : 0;

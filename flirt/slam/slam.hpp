@@ -45,6 +45,7 @@ struct SlamSummary {
   std::size_t closures{0};
   std::size_t anywhere{0};      ///< of them, those found by a search of the whole map
   std::size_t unobservable{0};  ///< motions that could not be seen in some direction
+  std::size_t pieces{0};        ///< parts of two scans or more that only such motions join to the rest of the map
   std::size_t wide{0};          ///< scans that only the wide search found
   std::size_t predictions{0};   ///< scans whose motion is the prediction
   std::size_t featureless{0};   ///< scans with few keypoints, where the front-end looks at them

@@ -95,10 +95,21 @@ TEST(Slam, AcceptsScansThatSayNothing) {
   EXPECT_LT(error_of(slam, log), 0.06);
 }
 
+TEST(Slam, SaysWhatOnlyUnseenMotionsHoldTogether) {
+  ScanLog log = building().log;
+  log.scans.resize(100);
+  EXPECT_EQ(mapped(log).summary().pieces, 1U);
+  for (const std::size_t empty : {30U, 31U, 60U}) { log.scans[empty].ranges.clear(); }
+  const SlamSummary summary = mapped(log).summary();
+  EXPECT_EQ(summary.closures, 0U);  // they would hold the map together, too
+  EXPECT_EQ(summary.pieces, 3U);
+}
+
 TEST(Slam, AcceptsALogOfNothing) {
   Slam slam;
   slam.finish();
   EXPECT_EQ(slam.summary().scans, 0U);
+  EXPECT_EQ(slam.summary().pieces, 0U);
   for (int i = 0; i < 5; ++i) { slam.add(Scan{}); }
   slam.finish();
   EXPECT_EQ(slam.graph().map_from_node, std::vector<Pose2>(5));
