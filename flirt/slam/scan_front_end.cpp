@@ -32,7 +32,8 @@ ScanFrontEnd::Judged ScanFrontEnd::judge(const SurfacePoints& points, const Pose
   const Agreed agreed = map_.agreement(scan, aligned.map_from_robot);
   const double known = std::max(0.05, 1 - agreed.unknown);
   const double score = score_of(agreed);
-  const double surprise = prior_.surprise(off);
+  const double surprise =
+      params_.surprise_translation * norm(off.translation()) + params_.surprise_rotation * std::abs(off.theta);
   const double quality = (score - agreed.unknown) / known;
   return {aligned.map_from_robot, aligned.terms, score - surprise, quality, quality - surprise};
 }
@@ -263,7 +264,6 @@ ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
     motion.unobservable = true;
     give_up_direction(found, prediction, hold);
   }
-  if (!motion.unobservable) { prior_.learn(inverse(prediction) * found.local_from_robot); }
   seen_in_a_row_ = motion.unobservable ? 0 : seen_in_a_row_ + 1;
   add_relative(motion, found, floor);
   remember(scan, found.local_from_robot);

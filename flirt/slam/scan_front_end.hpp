@@ -8,7 +8,6 @@
 #include "flirt/slam/dead_reckoning.hpp"
 #include "flirt/slam/front_end.hpp"
 #include "flirt/slam/hold.hpp"
-#include "flirt/slam/motion_prior.hpp"
 #include "flirt/slam/slam_params.hpp"
 #include "flirt/slam/slam_scan.hpp"
 
@@ -25,7 +24,7 @@ namespace flirt {
 class ScanFrontEnd {
  public:
   explicit ScanFrontEnd(const SlamParams& params)
-      : params_(params), reckoning_(params), prior_(params), matcher_(MatchParams{}, RansacParams{.min_inliers = 4}) {}
+      : params_(params), reckoning_(params), matcher_(MatchParams{}, RansacParams{.min_inliers = 4}) {}
 
   [[nodiscard]] ScanMotion add(const SlamScan& scan);
 
@@ -68,7 +67,6 @@ class ScanFrontEnd {
 
   SlamParams params_;
   DeadReckoning reckoning_;
-  MotionPrior prior_;
   LocalMap map_{};
   std::deque<MapScan> map_scans_{};
   FeatureExtractor extractor_{};

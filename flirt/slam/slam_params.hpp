@@ -62,7 +62,6 @@ struct SlamParams {
   double usable_score{5.0};          ///< a score below which no pose is believed: prediction instead
   double surprise_translation{1.0};  ///< score lost per m from the predicted pose
   double surprise_rotation{1.0};     ///< score lost per rad from the predicted heading
-  double surprise_unusual{0.15};     ///< score lost where that is more than usual, a unit of logarithm (`MotionPrior`)
   double rival_lead{1.0};            ///< score by which a place must lead over others, else it is not seen which it is
   double range_sigma{0.03};          ///< m, of the distance of a point from a line, for the information of edges
   double floor_translation{0.3};     ///< m, deviation of a motion nothing was measured of
@@ -129,7 +128,6 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.surprise_translation,
         Field{"surprise_translation", "1/m", "score lost by leaving the prediction", 0, 50});
   visit(params.surprise_rotation, Field{"surprise_rotation", "1/rad", "score lost by leaving the prediction", 0, 50});
-  visit(params.surprise_unusual, Field{"surprise_unusual", "", "score lost where that is more than usual", 0, 50});
   visit(params.rival_lead, Field{"rival_lead", "", "lead over other places below which a motion is not seen", -50, 50});
   visit(params.range_sigma, Field{"range_sigma", "m", "deviation of a point from a line", 0.001, 1});
   visit(params.floor_translation, Field{"floor_translation", "m", "deviation of an unmeasured motion", 0.01, 10});
