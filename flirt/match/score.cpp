@@ -46,28 +46,59 @@ HWY_INLINE FloatVector squared_distance(const MovedGroup& moved, std::size_t par
   return hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
 }
 
-float truncated_cost(const Motion& motion, const ScoredPoints& query, const KeypointColumns& reference, float limit,
-                     float give_up) {
+/// One group of 16 query points after one motion.
+struct Job {
+  std::size_t motion;
+  std::size_t first;
+};
+
+/// Adds to each motion's cost that of `Jobs` groups, in their order. Several at once, as one alone waits for its own
+/// results, and a loop over so few reference points costs as much to leave as to run.
+template <std::size_t Jobs>
+HWY_INLINE void add_costs(const Motion* motions, const Job* jobs, const ScoredPoints& query,
+                          const KeypointColumns& reference, float limit, float* costs) {
   const Floats d;
-  float cost = 0.0F;
-  for (std::size_t first = 0; first < query.count; first += 16) {
-    const MovedGroup moved = move_group(motion, query.x.data() + first, query.y.data() + first);
-    FloatVector smallest[parts];
-    for (auto& part : smallest) { part = hn::Set(d, limit); }
-    for (std::size_t j = 0; j < reference.size(); ++j) {
-      const auto x = hn::Set(d, reference.x[j]);
-      const auto y = hn::Set(d, reference.y[j]);
+  MovedGroup moved[Jobs];
+  FloatVector smallest[Jobs][parts];
+  for (std::size_t t = 0; t < Jobs; ++t) {
+    moved[t] = move_group(motions[jobs[t].motion], query.x.data() + jobs[t].first, query.y.data() + jobs[t].first);
+    for (auto& part : smallest[t]) { part = hn::Set(d, limit); }
+  }
+  for (std::size_t j = 0; j < reference.size(); ++j) {
+    const auto x = hn::Set(d, reference.x[j]);
+    const auto y = hn::Set(d, reference.y[j]);
+    for (std::size_t t = 0; t < Jobs; ++t) {
       for (std::size_t part = 0; part < parts; ++part) {
-        smallest[part] = hn::Min(smallest[part], squared_distance(moved, part, x, y));
+        smallest[t][part] = hn::Min(smallest[t][part], squared_distance(moved[t], part, x, y));
       }
     }
-    for (std::size_t part = 0; part < parts; ++part) {
-      smallest[part] = hn::Mul(smallest[part], hn::LoadU(d, query.weight.data() + first + part * lanes));
-    }
-    cost += sum_of_group(smallest);
-    if (cost > give_up) { break; }
   }
-  return cost;
+  for (std::size_t t = 0; t < Jobs; ++t) {
+    for (std::size_t part = 0; part < parts; ++part) {
+      const auto weight = hn::LoadU(d, query.weight.data() + jobs[t].first + part * lanes);
+      smallest[t][part] = hn::Mul(smallest[t][part], weight);
+    }
+    costs[jobs[t].motion] += sum_of_group(smallest[t]);
+  }
+}
+
+void truncated_costs(const Motion* motions, std::size_t count, const ScoredPoints& query,
+                     const KeypointColumns& reference, float limit, float* costs) {
+  constexpr std::size_t at_once = parts == 1 ? 4 : 2;
+  std::fill(costs, costs + count, 0.0F);
+  Job jobs[at_once];
+  std::size_t waiting = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t first = 0; first < query.count; first += 16) {
+      jobs[waiting++] = {i, first};
+      if (waiting == at_once) {
+        add_costs<at_once>(motions, jobs, query, reference, limit, costs);
+        waiting = 0;
+      }
+    }
+  }
+  if (at_once == 4 && waiting >= 2) { add_costs<2>(motions, jobs, query, reference, limit, costs); }
+  if (waiting % 2 != 0) { add_costs<1>(motions, jobs + waiting - 1, query, reference, limit, costs); }
 }
 
 void nearest_points(const Motion& motion, const ScoredPoints& query, const KeypointColumns& reference,
@@ -88,7 +119,7 @@ void nearest_points(const Motion& motion, const ScoredPoints& query, const Keypo
       for (std::size_t part = 0; part < parts; ++part) {
         const auto distance = squared_distance(moved, part, x, y);
         const auto smaller = hn::Lt(distance, smallest[part]);
-        smallest[part] = hn::IfThenElse(smaller, distance, smallest[part]);
+        smallest[part] = hn::Min(smallest[part], distance);
         index[part] = hn::IfThenElse(hn::RebindMask(du, smaller), hn::Set(du, j), index[part]);
       }
     }
@@ -156,7 +187,7 @@ HWY_AFTER_NAMESPACE();
 namespace flirt {
 namespace {
 
-HWY_EXPORT(truncated_cost);
+HWY_EXPORT(truncated_costs);
 HWY_EXPORT(nearest_points);
 HWY_EXPORT(mark_rigid_pairs);
 HWY_EXPORT(fill_turns);
@@ -205,9 +236,10 @@ void ScoredPoints::assign(const KeypointColumns& keypoints) {
   }
 }
 
-float truncated_cost(const Motion& reference_from_query, const ScoredPoints& query, const KeypointColumns& reference,
-                     float limit, float give_up) {
-  return HWY_DYNAMIC_DISPATCH(truncated_cost)(reference_from_query, query, reference, limit, give_up);
+void truncated_costs(std::span<const Motion> motions, const ScoredPoints& query, const KeypointColumns& reference,
+                     float limit, std::span<float> costs) {
+  FLIRT_ASSERT(costs.size() == motions.size());
+  HWY_DYNAMIC_DISPATCH(truncated_costs)(motions.data(), motions.size(), query, reference, limit, costs.data());
 }
 
 void nearest_points(const Motion& reference_from_query, const ScoredPoints& query, const KeypointColumns& reference,

@@ -32,10 +32,10 @@ struct ScoredPoints {
   void assign(const KeypointColumns& keypoints);
 };
 
-/// Σ over query points of min(d², limit), d the distance to the nearest reference point after the motion, m². Once the
-/// sum exceeds `give_up` the rest is left out: some number above `give_up` comes back. O(query · reference).
-[[nodiscard]] float truncated_cost(const Motion& reference_from_query, const ScoredPoints& query,
-                                   const KeypointColumns& reference, float limit, float give_up);
+/// For each motion Σ over query points of min(d², limit), d the distance to the nearest reference point after the
+/// motion, m². O(motions · query · reference).
+void truncated_costs(std::span<const Motion> motions, const ScoredPoints& query, const KeypointColumns& reference,
+                     float limit, std::span<float> costs);
 
 /// For each query point the nearest reference point after the motion, of equal ones the first, and its squared
 /// distance, m²; both have room for the padded count.
