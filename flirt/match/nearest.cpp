@@ -195,7 +195,7 @@ HWY_EXPORT(nearest_by_sketches);
 /// Rows of 16 queries side by side, `together` neighbouring elements of each; zeros for queries that are missing.
 template <class Element>
 void lay_side_by_side(const Element* rows, std::size_t count, std::size_t stride, std::size_t together,
-                      std::vector<Element>& columns) {
+                      AlignedVector<Element>& columns) {
   columns.assign((count + 15) / 16 * 16 * stride, Element{0});
   for (std::size_t i = 0; i < count; ++i) {
     Element* block = columns.data() + i / 16 * 16 * stride;
@@ -209,7 +209,9 @@ void lay_side_by_side(const Element* rows, std::size_t count, std::size_t stride
 
 void NearestRows::set_query(const DescriptorRows& query) {
   FLIRT_ASSERT(is_normalised(query));
+  query_rows_.assign(query.rows, query.rows + std::size_t{query.count} * query.stride);
   query_ = query;
+  query_.rows = query_rows_.data();
   lay_side_by_side(query.roots, query.count, query.stride, 1, root_columns_);
   if (query.sketches != nullptr) { lay_side_by_side(query.sketches, query.count, sketch_size, 2, sketch_columns_); }
   nearest_.resize(query.count);

@@ -28,9 +28,6 @@ PairLimits limits_of(const RansacParams& params) {
 bool is_better(const Match& a, const Match& b) {
   return std::tie(a.distance, a.query, a.reference) < std::tie(b.distance, b.query, b.reference);
 }
-bool comes_before(const Match& a, const Match& b) {
-  return std::tie(a.query, a.reference) < std::tie(b.query, b.reference);
-}
 bool is_same_pair(const Match& a, const Match& b) {
   return a.query == b.query && a.reference == b.reference;
 }
@@ -62,8 +59,6 @@ Ransac::Ransac(const RansacParams& params)
 void Ransac::set_query(const KeypointColumns& query) {
   query_ = query;
   scored_query_.assign(query);
-  nearest_.resize(scored_query_.x.size());
-  squared_.resize(scored_query_.x.size());
 }
 
 std::optional<PairAlignment> Ransac::align(const KeypointColumns& reference, std::span<const Match> candidates) {
@@ -93,14 +88,20 @@ Eigen::Matrix3d Ransac::covariance() const {
 /// The candidates whose keypoints are in sight into usable_, each once; by descriptor distance, unless all their pairs
 /// will be tried, where the order only decides between equally good ones (see try_all).
 void Ransac::choose(const KeypointColumns& reference, std::span<const Match> candidates) {
-  usable_.clear();
+  usable_.resize(candidates.size());
+  std::size_t count = 0;
   bool in_order = true;  // of query, then of reference, each pair once: as a matcher returns them
-  for (const Match& match : candidates) {
-    const bool usable = is_in_sight(query_, match.query) && is_in_sight(reference, match.reference);
-    if (!usable || std::isnan(match.distance)) { continue; }
-    in_order = in_order && (usable_.empty() || comes_before(usable_.back(), match));
-    usable_.push_back(match);
+  std::uint64_t last = 0;
+  for (const Match& match : candidates) {  // nearly all are usable: no branch
+    const bool usable =
+        is_in_sight(query_, match.query) && is_in_sight(reference, match.reference) && !std::isnan(match.distance);
+    const std::uint64_t place = std::uint64_t{match.query} << 32U | match.reference;
+    in_order = in_order && (count == 0 || last < place);
+    last = place;
+    usable_[count] = match;
+    count += usable ? 1 : 0;
   }
+  usable_.resize(count);
   const bool all_pairs = params_.sampling == Sampling::exhaustive && params_.inlier_rule == InlierRule::nearest_point &&
                          usable_.size() * usable_.size() / 2 <= params_.max_samples;
   if (in_order && all_pairs) { return; }
@@ -229,15 +230,9 @@ void Ransac::evaluate(const Pose2& reference_from_query, const KeypointColumns& 
   support.inliers.clear();
   support.points.clear();
   if (params_.inlier_rule == InlierRule::nearest_point) {
-    nearest_points(motion, scored_query_, reference, nearest_, squared_);
-    const float farthest = farthest_inlier(motion);
-    support.inliers.resize(query_.size());
-    std::size_t count = 0;
-    for (std::uint32_t i = 0; i < query_.size(); ++i) {  // which are near can't be foreseen: no branch
-      support.inliers[count] = {i, nearest_[i]};
-      count += squared_[i] < farthest ? 1 : 0;
-    }
-    support.inliers.resize(count);
+    support.inliers.resize(scored_query_.x.size());
+    support.inliers.resize(
+        near_points(motion, scored_query_, reference, farthest_inlier(motion), support.inliers));
   } else {
     pair_one_to_one(motion, reference.size());
     for (const auto& [squared, candidate] : near_candidates_) {

@@ -1,6 +1,7 @@
 // flirt/match/score.hpp: the three inner loops of the search for a rigid motion, vectorised.
 #pragma once
 
+#include "flirt/core/aligned_vector.hpp"
 #include "flirt/core/pose2.hpp"
 #include "flirt/match/columns.hpp"
 
@@ -23,9 +24,9 @@ struct Motion {
 
 /// Query keypoints padded to groups of 16; padding has weight 0.
 struct ScoredPoints {
-  std::vector<float> x;       ///< m, query frame
-  std::vector<float> y;       ///< m, query frame
-  std::vector<float> weight;  ///< 1 for a point
+  AlignedVector<float> x;       ///< m, query frame
+  AlignedVector<float> y;       ///< m, query frame
+  AlignedVector<float> weight;  ///< 1 for a point
   std::size_t count{0};
   float farthest{0};  ///< m, no point in sight is farther from the sensor
 
@@ -37,17 +38,26 @@ struct ScoredPoints {
 void truncated_costs(std::span<const Motion> motions, const ScoredPoints& query, const KeypointColumns& reference,
                      float limit, std::span<float> costs);
 
-/// For each query point the nearest reference point after the motion, of equal ones the first, and its squared
-/// distance, m²; both have room for the padded count.
-void nearest_points(const Motion& reference_from_query, const ScoredPoints& query, const KeypointColumns& reference,
-                    std::span<std::uint32_t> nearest, std::span<float> squared);
+/// A keypoint of the query and one of the reference.
+struct IndexPair {
+  std::uint32_t query{0};
+  std::uint32_t reference{0};
+
+  friend bool operator==(const IndexPair&, const IndexPair&) = default;
+};
+
+/// Query points whose nearest reference point after the motion has a squared distance below `limit`, m², each with that
+/// point, of equal ones the first; in order of the query. `out` has room for all of them; returns how many there are.
+/// O(query · reference).
+[[nodiscard]] std::size_t near_points(const Motion& reference_from_query, const ScoredPoints& query,
+                                      const KeypointColumns& reference, float limit, std::span<IndexPair> out);
 
 /// Candidate correspondences as columns, padded to groups of 16: both points and the turn of the keypoint's direction.
 struct CandidateColumns {
-  std::vector<float> query_x, query_y;          ///< m, query frame
-  std::vector<float> reference_x, reference_y;  ///< m, reference frame
-  std::vector<float> turn;  ///< rad, of the keypoint's direction from query to reference, in (−2π, 2π)
-  std::vector<float> turn_cosine, turn_sine;  ///< see fill_turns
+  AlignedVector<float> query_x, query_y;          ///< m, query frame
+  AlignedVector<float> reference_x, reference_y;  ///< m, reference frame
+  AlignedVector<float> turn;  ///< rad, of the keypoint's direction from query to reference, in (−2π, 2π)
+  AlignedVector<float> turn_cosine, turn_sine;  ///< see fill_turns
   std::size_t count{0};
 
   void resize(std::size_t candidates);
