@@ -80,15 +80,6 @@ HWY_INLINE void all_products(const typename Bound::Element* columns, const Descr
   for (std::size_t v = 0; v < vectors; ++v) { hn::StoreU(largest.row[v], indices, guess + v * lanes); }
 }
 
-/// Bits of the queries, lane by lane, whose product with the row of `products` exceeds `least`.
-template <class Product>
-HWY_INLINE std::uint16_t exceeding(const Product* products, const Product (&least)[16]) {
-  const hn::Rebind<Product, Floats> d;
-  return bits_of_group([&](std::size_t part) HWY_ATTR {
-    return hn::RebindMask(Floats{}, hn::Gt(hn::LoadU(d, products + part * lanes), hn::LoadU(d, least + part * lanes)));
-  });
-}
-
 /// Smaller for what is nearer, of equally near rows for the first. Distances are not negative, so that their bits
 /// are in their order.
 HWY_INLINE std::uint64_t key_of(Nearest nearest) {
@@ -108,19 +99,30 @@ HWY_INLINE void nearest_of_block(const float* query, std::size_t queries, const 
   const auto compared = [&](std::size_t lane, std::uint32_t j) HWY_ATTR {
     return key_of({j, chi_square(query + lane * stride, reference.rows + j * stride, stride)});
   };
-  Product least[16];
+  const Floats d;
+  const hn::Rebind<Product, Floats> dp;
+  alignas(64) float distance[16];
   std::uint64_t keys[16];
-  std::ranges::fill(least, std::numeric_limits<Product>::max());
+  std::ranges::fill(distance, 0.0F);
   for (std::size_t lane = 0; lane < queries; ++lane) {
     keys[lane] = std::min(key_of({reference.count, limit}), compared(lane, guess[lane]));
-    least[lane] = Bound::least_product(nearest_of(keys[lane]).distance);
+    distance[lane] = nearest_of(keys[lane]).distance;
     products[std::size_t{guess[lane]} * 16 + lane] = std::numeric_limits<Product>::lowest();  // done
   }
+  hn::Vec<decltype(dp)> least[parts];
+  for (std::size_t part = 0; part < parts; ++part) {
+    least[part] = Bound::least_products(hn::Load(d, distance + part * lanes));
+  }
+  const std::uint32_t there = 0xFFFFU >> (16 - queries);
   for (std::uint32_t first = 0; first < reference.count; first += rows_at_once) {
     std::uint64_t bits = 0;
     const std::uint32_t rows = std::min<std::uint32_t>(rows_at_once, reference.count - first);
     for (std::uint32_t r = 0; r < rows; ++r) {
-      bits |= std::uint64_t{exceeding(products + (std::size_t{first} + r) * 16, least)} << (16 * r);
+      const Product* row = products + (std::size_t{first} + r) * 16;
+      bits |= std::uint64_t{bits_of_group([&](std::size_t part) HWY_ATTR {
+                return hn::RebindMask(d, hn::Gt(hn::LoadU(dp, row + part * lanes), least[part]));
+              }) & there}
+              << (16 * r);
     }
     for (; bits != 0; bits &= bits - 1) {
       const auto bit = static_cast<std::uint32_t>(std::countr_zero(bits));
