@@ -169,7 +169,7 @@ void Ransac::find_costs(const KeypointColumns& reference) {
     motions_[k] = motion_of_segment(candidates_, pairs_.pairs[k].i, pairs_.pairs[k].j);
   }
   if (params_.inlier_rule == InlierRule::nearest_point) {
-    truncated_costs(motions_, scored_query_, reference, limit_, costs_);
+    truncated_costs(motions_, scored_query_, reference, limit_, moved_points_, costs_);
   } else {
     for (std::size_t k = 0; k < motions_.size(); ++k) { costs_[k] = one_to_one_cost(motions_[k], reference.size()); }
   }

@@ -138,6 +138,7 @@ class Ransac {
   RigidPairs pairs_{};
   std::vector<Motion> motions_{};  ///< of the pairs
   std::vector<float> costs_{};     ///< m², of the motions
+  MovedPoints moved_points_{};
   std::vector<std::pair<float, std::uint32_t>> near_candidates_{};  ///< one-to-one: squared distance and candidate
   std::vector<bool> query_taken_{};
   std::vector<bool> reference_taken_{};

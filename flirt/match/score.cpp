@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <type_traits>
 
 // clang-format off
 #undef HWY_TARGET_INCLUDE
@@ -46,59 +47,69 @@ HWY_INLINE FloatVector squared_distance(const MovedGroup& moved, std::size_t par
   return hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
 }
 
-/// One group of 16 query points after one motion.
-struct Job {
-  std::size_t motion;
-  std::size_t first;
-};
-
-/// Adds to each motion's cost that of `Jobs` groups, in their order. Several at once, as one alone waits for its own
-/// results, and a loop over so few reference points costs as much to leave as to run.
-template <std::size_t Jobs>
-HWY_INLINE void add_costs(const Motion* motions, const Job* jobs, const ScoredPoints& query,
-                          const KeypointColumns& reference, float limit, float* costs) {
+/// min(d², limit) for `Vectors` vectors of points. Several at once, as one alone waits for its own results.
+template <std::size_t Vectors>
+HWY_INLINE void truncated_distances(const float* moved_x, const float* moved_y, const KeypointColumns& reference,
+                                    float limit, float* squared) {
   const Floats d;
-  MovedGroup moved[Jobs];
-  FloatVector smallest[Jobs][parts];
-  for (std::size_t t = 0; t < Jobs; ++t) {
-    moved[t] = move_group(motions[jobs[t].motion], query.x.data() + jobs[t].first, query.y.data() + jobs[t].first);
-    for (auto& part : smallest[t]) { part = hn::Set(d, limit); }
+  FloatVector point_x[Vectors];
+  FloatVector point_y[Vectors];
+  FloatVector smallest[Vectors];
+  for (std::size_t v = 0; v < Vectors; ++v) {
+    point_x[v] = hn::LoadU(d, moved_x + v * lanes);
+    point_y[v] = hn::LoadU(d, moved_y + v * lanes);
+    smallest[v] = hn::Set(d, limit);
   }
   for (std::size_t j = 0; j < reference.size(); ++j) {
     const auto x = hn::Set(d, reference.x[j]);
     const auto y = hn::Set(d, reference.y[j]);
-    for (std::size_t t = 0; t < Jobs; ++t) {
-      for (std::size_t part = 0; part < parts; ++part) {
-        smallest[t][part] = hn::Min(smallest[t][part], squared_distance(moved[t], part, x, y));
-      }
+    for (std::size_t v = 0; v < Vectors; ++v) {
+      const auto dx = hn::Sub(point_x[v], x);
+      const auto dy = hn::Sub(point_y[v], y);
+      smallest[v] = hn::Min(smallest[v], hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)));
     }
   }
-  for (std::size_t t = 0; t < Jobs; ++t) {
-    for (std::size_t part = 0; part < parts; ++part) {
-      const auto weight = hn::LoadU(d, query.weight.data() + jobs[t].first + part * lanes);
-      smallest[t][part] = hn::Mul(smallest[t][part], weight);
-    }
-    costs[jobs[t].motion] += sum_of_group(smallest[t]);
-  }
+  for (std::size_t v = 0; v < Vectors; ++v) { hn::StoreU(smallest[v], d, squared + v * lanes); }
 }
 
+/// The points of all motions lie behind each other, without gaps, so that no vector is half empty.
 void truncated_costs(const Motion* motions, std::size_t count, const ScoredPoints& query,
-                     const KeypointColumns& reference, float limit, float* costs) {
-  constexpr std::size_t at_once = parts == 1 ? 4 : 2;
-  std::fill(costs, costs + count, 0.0F);
-  Job jobs[at_once];
-  std::size_t waiting = 0;
+                     const KeypointColumns& reference, float limit, MovedPoints& moved, float* costs) {
+  const Floats d;
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t first = 0; first < query.count; first += 16) {
-      jobs[waiting++] = {i, first};
-      if (waiting == at_once) {
-        add_costs<at_once>(motions, jobs, query, reference, limit, costs);
-        waiting = 0;
+      const MovedGroup group = move_group(motions[i], query.x.data() + first, query.y.data() + first);
+      for (std::size_t part = 0; part < parts; ++part) {
+        const std::size_t at = i * query.count + first + part * lanes;
+        hn::StoreU(group.x[part], d, moved.x.data() + at);
+        hn::StoreU(group.y[part], d, moved.y.data() + at);
       }
     }
   }
-  if (at_once == 4 && waiting >= 2) { add_costs<2>(motions, jobs, query, reference, limit, costs); }
-  if (waiting % 2 != 0) { add_costs<1>(motions, jobs + waiting - 1, query, reference, limit, costs); }
+  constexpr std::size_t at_once = 4;
+  const auto distances = [&](std::size_t first, auto vectors) HWY_ATTR {
+    truncated_distances<vectors.value>(moved.x.data() + first, moved.y.data() + first, reference, limit,
+                                       moved.squared.data() + first);
+  };
+  const std::size_t points = count * query.count;
+  std::size_t first = 0;
+  for (; first + (at_once - 1) * lanes < points; first += at_once * lanes) {
+    distances(first, std::integral_constant<std::size_t, at_once>{});
+  }
+  for (; first + lanes < points; first += 2 * lanes) { distances(first, std::integral_constant<std::size_t, 2>{}); }
+  if (first < points) { distances(first, std::integral_constant<std::size_t, 1>{}); }
+
+  for (std::size_t i = 0; i < count; ++i) {
+    costs[i] = 0.0F;
+    for (std::size_t group = 0; group < query.count; group += 16) {
+      FloatVector squared[parts];
+      for (std::size_t part = 0; part < parts; ++part) {
+        squared[part] = hn::Mul(hn::LoadU(d, moved.squared.data() + i * query.count + group + part * lanes),
+                                hn::LoadU(d, query.weight.data() + group + part * lanes));
+      }
+      costs[i] += sum_of_group(squared);
+    }
+  }
 }
 
 /// The same for `Groups` groups of 16 query points, from point `first`; their results follow `out`.
@@ -263,9 +274,14 @@ void ScoredPoints::assign(const KeypointColumns& keypoints) {
 }
 
 void truncated_costs(std::span<const Motion> motions, const ScoredPoints& query, const KeypointColumns& reference,
-                     float limit, std::span<float> costs) {
+                     float limit, MovedPoints& workspace, std::span<float> costs) {
   FLIRT_ASSERT(costs.size() == motions.size());
-  HWY_DYNAMIC_DISPATCH(truncated_costs)(motions.data(), motions.size(), query, reference, limit, costs.data());
+  const std::size_t room = motions.size() * query.count + 64;
+  for (AlignedVector<float>* column : {&workspace.x, &workspace.y, &workspace.squared}) {
+    column->resize(std::max(column->size(), room), 0.0F);
+  }
+  HWY_DYNAMIC_DISPATCH(truncated_costs)
+  (motions.data(), motions.size(), query, reference, limit, workspace, costs.data());
 }
 
 std::size_t near_points(const Motion& reference_from_query, const ScoredPoints& query,

@@ -33,10 +33,16 @@ struct ScoredPoints {
   void assign(const KeypointColumns& keypoints);
 };
 
+/// Query points after several motions.
+struct MovedPoints {
+  AlignedVector<float> x, y;     ///< m, reference frame
+  AlignedVector<float> squared;  ///< m², to the nearest reference point, or the limit
+};
+
 /// For each motion Σ over query points of min(d², limit), d the distance to the nearest reference point after the
 /// motion, m². O(motions · query · reference).
 void truncated_costs(std::span<const Motion> motions, const ScoredPoints& query, const KeypointColumns& reference,
-                     float limit, std::span<float> costs);
+                     float limit, MovedPoints& workspace, std::span<float> costs);
 
 /// A keypoint of the query and one of the reference.
 struct IndexPair {
