@@ -28,6 +28,9 @@ PairLimits limits_of(const RansacParams& params) {
 bool is_better(const Match& a, const Match& b) {
   return std::tie(a.distance, a.query, a.reference) < std::tie(b.distance, b.query, b.reference);
 }
+bool comes_before(const Match& a, const Match& b) {
+  return std::tie(a.query, a.reference) < std::tie(b.query, b.reference);
+}
 bool is_same_pair(const Match& a, const Match& b) {
   return a.query == b.query && a.reference == b.reference;
 }
@@ -88,20 +91,14 @@ Eigen::Matrix3d Ransac::covariance() const {
 /// The candidates whose keypoints are in sight into usable_, each once; by descriptor distance, unless all their pairs
 /// will be tried, where the order only decides between equally good ones (see try_all).
 void Ransac::choose(const KeypointColumns& reference, std::span<const Match> candidates) {
-  usable_.resize(candidates.size());
-  std::size_t count = 0;
+  usable_.clear();
   bool in_order = true;  // of query, then of reference, each pair once: as a matcher returns them
-  std::uint64_t last = 0;
-  for (const Match& match : candidates) {  // nearly all are usable: no branch
-    const bool usable =
-        is_in_sight(query_, match.query) && is_in_sight(reference, match.reference) && !std::isnan(match.distance);
-    const std::uint64_t place = std::uint64_t{match.query} << 32U | match.reference;
-    in_order = in_order && (count == 0 || last < place);
-    last = place;
-    usable_[count] = match;
-    count += usable ? 1 : 0;
+  for (const Match& match : candidates) {
+    const bool usable = is_in_sight(query_, match.query) && is_in_sight(reference, match.reference);
+    if (!usable || std::isnan(match.distance)) { continue; }
+    in_order = in_order && (usable_.empty() || comes_before(usable_.back(), match));
+    usable_.push_back(match);
   }
-  usable_.resize(count);
   const bool all_pairs = params_.sampling == Sampling::exhaustive && params_.inlier_rule == InlierRule::nearest_point &&
                          usable_.size() * usable_.size() / 2 <= params_.max_samples;
   if (in_order && all_pairs) { return; }

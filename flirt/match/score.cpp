@@ -276,12 +276,15 @@ void ScoredPoints::assign(const KeypointColumns& keypoints) {
 void truncated_costs(std::span<const Motion> motions, const ScoredPoints& query, const KeypointColumns& reference,
                      float limit, MovedPoints& workspace, std::span<float> costs) {
   FLIRT_ASSERT(costs.size() == motions.size());
-  const std::size_t room = motions.size() * query.count + 64;
+  const std::size_t at_once = std::min<std::size_t>(64, motions.size());  // whose points stay near the processor
   for (AlignedVector<float>* column : {&workspace.x, &workspace.y, &workspace.squared}) {
-    column->resize(std::max(column->size(), room), 0.0F);
+    column->resize(std::max(column->size(), at_once * query.count + 64), 0.0F);
   }
-  HWY_DYNAMIC_DISPATCH(truncated_costs)
-  (motions.data(), motions.size(), query, reference, limit, workspace, costs.data());
+  for (std::size_t first = 0; first < motions.size(); first += at_once) {
+    const std::size_t count = std::min(at_once, motions.size() - first);
+    HWY_DYNAMIC_DISPATCH(truncated_costs)
+    (motions.data() + first, count, query, reference, limit, workspace, costs.data() + first);
+  }
 }
 
 std::size_t near_points(const Motion& reference_from_query, const ScoredPoints& query,

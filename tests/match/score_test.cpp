@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <vector>
 
 namespace flirt {
 namespace {
@@ -33,61 +33,81 @@ double slow_cost(const Pose2& reference_from_query, const KeypointTable& query, 
   return cost;
 }
 
-constexpr float no_limit = std::numeric_limits<float>::infinity();
+ScoredPoints scored(const KeypointTable& table) {
+  ScoredPoints points;
+  points.assign(table.columns());
+  return points;
+}
 
-TEST(TruncatedCost, AgreesWithPlainLoopsForAnyCount) {
+std::vector<float> costs_of(const std::vector<Motion>& motions, const KeypointTable& query,
+                            const KeypointTable& reference, MovedPoints& workspace) {
+  std::vector<float> costs(motions.size());
+  truncated_costs(motions, scored(query), reference.columns(), 0.5F, workspace, costs);
+  return costs;
+}
+
+TEST(TruncatedCosts, AgreeWithPlainLoopsForAnyCount) {
   Rng rng(1);
+  MovedPoints workspace;
   for (const std::size_t queries : {1U, 7U, 16U, 17U, 33U}) {
     for (const std::size_t references : {0U, 1U, 5U, 40U}) {
       const KeypointTable query = random_table(rng, queries);
       const KeypointTable reference = random_table(rng, references);
-      const Pose2 pose = test::random_pose(rng, 2.0);
-      ScoredPoints points;
-      points.assign(query.columns());
-      EXPECT_NEAR(truncated_cost(motion_of(pose), points, reference.columns(), 0.5F, no_limit),
-                  slow_cost(pose, query, reference, 0.5), 1e-4);
+      for (const std::size_t count : {0U, 1U, 2U, 5U, 30U}) {
+        std::vector<Pose2> poses(count);
+        std::vector<Motion> motions;
+        for (Pose2& pose : poses) { motions.push_back(motion_of(pose = test::random_pose(rng, 2.0))); }
+        const std::vector<float> costs = costs_of(motions, query, reference, workspace);
+        for (std::size_t i = 0; i < count; ++i) {
+          EXPECT_NEAR(costs[i], slow_cost(poses[i], query, reference, 0.5), 1e-4);
+        }
+      }
     }
   }
 }
 
-TEST(TruncatedCost, GivesUpOnlyAboveTheGivenCost) {
+TEST(TruncatedCosts, OfManyMotionsAreThoseOfEachAloneBitByBit) {
   Rng rng(2);
-  const KeypointTable query = random_table(rng, 40);
-  const KeypointTable reference = random_table(rng, 10);
-  ScoredPoints points;
-  points.assign(query.columns());
-  const float full = truncated_cost({}, points, reference.columns(), 0.5F, no_limit);
-  EXPECT_EQ(truncated_cost({}, points, reference.columns(), 0.5F, full), full);
-  const float half = truncated_cost({}, points, reference.columns(), 0.5F, 0.5F * full);
-  EXPECT_GT(half, 0.5F * full);
-  EXPECT_LE(half, full);
+  MovedPoints workspace;
+  for (const std::size_t queries : {3U, 16U, 25U, 40U}) {
+    const KeypointTable query = random_table(rng, queries);
+    const KeypointTable reference = random_table(rng, 26);
+    std::vector<Motion> motions;
+    for (int i = 0; i < 50; ++i) { motions.push_back(motion_of(test::random_pose(rng, 1.0))); }
+    const std::vector<float> together = costs_of(motions, query, reference, workspace);
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+      EXPECT_EQ(together[i], costs_of({motions[i]}, query, reference, workspace).front());
+    }
+  }
 }
 
-TEST(NearestPoints, AgreesWithPlainLoopsAndTakesTheFirstOfEqualOnes) {
+TEST(NearPoints, AgreeWithPlainLoopsAndTakeTheFirstOfEqualOnes) {
   Rng rng(3);
-  const KeypointTable query = random_table(rng, 37);
-  KeypointTable reference = random_table(rng, 20);
-  for (std::size_t j = 0; j < 20; ++j) {  // every reference point twice
-    reference.x.push_back(reference.x[j]);
-    reference.y.push_back(reference.y[j]);
-    reference.theta.push_back(0.0F);
-  }
-  ScoredPoints points;
-  points.assign(query.columns());
-  std::vector<std::uint32_t> nearest(48);
-  std::vector<float> distances(48);
-  nearest_points({}, points, reference.columns(), nearest, distances);
-  for (std::size_t i = 0; i < 37; ++i) {
-    std::uint32_t expected = 0;
-    const auto squared = [&](std::size_t j) {
-      return std::pow(query.x[i] - reference.x[j], 2.0F) + std::pow(query.y[i] - reference.y[j], 2.0F);
-    };
-    for (std::uint32_t j = 1; j < 40; ++j) {
-      if (squared(j) < squared(expected)) { expected = j; }
+  for (const std::size_t queries : {1U, 15U, 16U, 17U, 32U, 33U, 70U}) {
+    const KeypointTable query = random_table(rng, queries);
+    KeypointTable reference = random_table(rng, 20);
+    for (std::size_t j = 0; j < 20; ++j) {  // every reference point twice
+      reference.x.push_back(reference.x[j]);
+      reference.y.push_back(reference.y[j]);
+      reference.theta.push_back(0.0F);
     }
-    EXPECT_EQ(nearest[i], expected);
-    EXPECT_LT(nearest[i], 20U);
-    EXPECT_FLOAT_EQ(distances[i], squared(expected));
+    for (const float limit : {0.0F, 0.1F, 1.0F, 100.0F}) {
+      std::vector<IndexPair> expected;
+      for (std::uint32_t i = 0; i < queries; ++i) {
+        const auto squared = [&](std::size_t j) {
+          const float dx = query.x[i] - reference.x[j];
+          const float dy = query.y[i] - reference.y[j];
+          return dx * dx + dy * dy;
+        };
+        std::uint32_t nearest = 0;
+        for (std::uint32_t j = 1; j < 40; ++j) { nearest = squared(j) < squared(nearest) ? j : nearest; }
+        EXPECT_LT(nearest, 20U);
+        if (squared(nearest) < limit) { expected.push_back({i, nearest}); }
+      }
+      std::vector<IndexPair> found(queries);
+      found.resize(near_points({}, scored(query), reference.columns(), limit, found));
+      EXPECT_EQ(found, expected);
+    }
   }
 }
 
