@@ -15,11 +15,10 @@ struct AlignedAllocator {
 
   AlignedAllocator() = default;
   template <class Other>
-  AlignedAllocator(const AlignedAllocator<Other>& /*other*/) {}  // NOLINT(google-explicit-constructor): containers need it
+  // NOLINTNEXTLINE(google-explicit-constructor): containers convert allocators
+  AlignedAllocator(const AlignedAllocator<Other>& /*other*/) {}
 
-  [[nodiscard]] T* allocate(std::size_t count) {
-    return static_cast<T*>(::operator new(count * sizeof(T), alignment));
-  }
+  [[nodiscard]] T* allocate(std::size_t count) { return static_cast<T*>(::operator new(count * sizeof(T), alignment)); }
   void deallocate(T* first, std::size_t /*count*/) { ::operator delete(first, alignment); }
 
   friend bool operator==(const AlignedAllocator& /*a*/, const AlignedAllocator& /*b*/) { return true; }

@@ -85,7 +85,7 @@ class SolutionSetFinder {
   SolutionSetParams params_;
   SketchAxes sketch_axes_{};
   AlignedVector<std::int16_t> sketches_{};  ///< of all map features, once a query asked all map scans
-  std::vector<PairMatcher> matchers_;     ///< one per thread
+  std::vector<PairMatcher> matchers_;       ///< one per thread
 };
 
 }  // namespace flirt

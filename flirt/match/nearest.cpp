@@ -103,7 +103,7 @@ HWY_INLINE void nearest_of_block(const float* query, std::size_t queries, const 
   const hn::Rebind<Product, Floats> dp;
   alignas(64) float distance[16];
   std::uint64_t keys[16];
-  std::ranges::fill(distance, 0.0F);
+  std::ranges::fill(distance, 0.0F);  // the products of missing queries are 0, too few for that
   for (std::size_t lane = 0; lane < queries; ++lane) {
     keys[lane] = std::min(key_of({reference.count, limit}), compared(lane, guess[lane]));
     distance[lane] = nearest_of(keys[lane]).distance;
@@ -113,16 +113,15 @@ HWY_INLINE void nearest_of_block(const float* query, std::size_t queries, const 
   for (std::size_t part = 0; part < parts; ++part) {
     least[part] = Bound::least_products(hn::Load(d, distance + part * lanes));
   }
-  const std::uint32_t there = 0xFFFFU >> (16 - queries);
   for (std::uint32_t first = 0; first < reference.count; first += rows_at_once) {
     std::uint64_t bits = 0;
     const std::uint32_t rows = std::min<std::uint32_t>(rows_at_once, reference.count - first);
     for (std::uint32_t r = 0; r < rows; ++r) {
       const Product* row = products + (std::size_t{first} + r) * 16;
-      bits |= std::uint64_t{bits_of_group([&](std::size_t part) HWY_ATTR {
-                return hn::RebindMask(d, hn::Gt(hn::LoadU(dp, row + part * lanes), least[part]));
-              }) & there}
-              << (16 * r);
+      const auto exceed = [&](std::size_t part) HWY_ATTR {
+        return hn::RebindMask(d, hn::Gt(hn::LoadU(dp, row + part * lanes), least[part]));
+      };
+      bits |= std::uint64_t{bits_of_group(exceed)} << (16 * r);
     }
     for (; bits != 0; bits &= bits - 1) {
       const auto bit = static_cast<std::uint32_t>(std::countr_zero(bits));

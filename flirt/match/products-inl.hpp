@@ -99,8 +99,9 @@ struct SketchProducts {
         std::memcpy(&two, rows + r * stride + k, sizeof two);
         const auto both = hn::BitCast(pairs, hn::Set(d, two));
         for (std::size_t v = 0; v < Vectors; ++v) {
-#if HWY_TARGET == HWY_AVX3_DL && HWY_COMPILER_GCC  // Highway 1.0.3 takes two instructions for this, and does not let one
-          auto raw = sum[r][v].raw;                 // name the intrinsic
+#if HWY_TARGET == HWY_AVX3_DL && HWY_COMPILER_GCC
+          // Highway 1.0.3 takes two instructions for this, and names its target so that the intrinsic won't do.
+          auto raw = sum[r][v].raw;
           asm("vpdpwssd %2, %1, %0" : "+v"(raw) : "v"(column[v].raw), "v"(both.raw));
           sum[r][v].raw = raw;
 #else

@@ -62,6 +62,8 @@ Ransac::Ransac(const RansacParams& params)
 void Ransac::set_query(const KeypointColumns& query) {
   query_ = query;
   scored_query_.assign(query);
+  nearest_.resize(scored_query_.x.size());
+  squared_.resize(scored_query_.x.size());
 }
 
 std::optional<PairAlignment> Ransac::align(const KeypointColumns& reference, std::span<const Match> candidates) {
@@ -227,9 +229,15 @@ void Ransac::evaluate(const Pose2& reference_from_query, const KeypointColumns& 
   support.inliers.clear();
   support.points.clear();
   if (params_.inlier_rule == InlierRule::nearest_point) {
-    support.inliers.resize(scored_query_.x.size());
-    support.inliers.resize(
-        near_points(motion, scored_query_, reference, farthest_inlier(motion), support.inliers));
+    nearest_points(motion, scored_query_, reference, nearest_, squared_);
+    const float farthest = farthest_inlier(motion);
+    support.inliers.resize(query_.size());
+    std::size_t count = 0;
+    for (std::uint32_t i = 0; i < query_.size(); ++i) {  // which are near can't be foreseen: no branch
+      support.inliers[count] = {i, nearest_[i]};
+      count += squared_[i] < farthest ? 1 : 0;
+    }
+    support.inliers.resize(count);
   } else {
     pair_one_to_one(motion, reference.size());
     for (const auto& [squared, candidate] : near_candidates_) {

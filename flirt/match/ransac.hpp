@@ -89,6 +89,14 @@ struct PairAlignment {
   friend bool operator==(const PairAlignment&, const PairAlignment&) = default;
 };
 
+/// A keypoint of the query and one of the reference.
+struct IndexPair {
+  std::uint32_t query{0};
+  std::uint32_t reference{0};
+
+  friend bool operator==(const IndexPair&, const IndexPair&) = default;
+};
+
 /// The search for one query among many references; its workspaces stay allocated from one reference to the next.
 class Ransac {
  public:
@@ -139,6 +147,8 @@ class Ransac {
   std::vector<Motion> motions_{};  ///< of the pairs
   std::vector<float> costs_{};     ///< m², of the motions
   MovedPoints moved_points_{};
+  std::vector<std::uint32_t> nearest_{};                            ///< reference keypoint of each query keypoint
+  std::vector<float> squared_{};                                    ///< m², distance to it
   std::vector<std::pair<float, std::uint32_t>> near_candidates_{};  ///< one-to-one: squared distance and candidate
   std::vector<bool> query_taken_{};
   std::vector<bool> reference_taken_{};

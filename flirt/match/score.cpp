@@ -112,59 +112,33 @@ void truncated_costs(const Motion* motions, std::size_t count, const ScoredPoint
   }
 }
 
-/// The same for `Groups` groups of 16 query points, from point `first`; their results follow `out`.
-template <std::size_t Groups>
-HWY_INLINE std::size_t near_in_groups(const Motion& motion, const ScoredPoints& query, std::size_t first,
-                                      const KeypointColumns& reference, float limit, IndexPair* out) {
+void nearest_points(const Motion& motion, const ScoredPoints& query, const KeypointColumns& reference,
+                    std::uint32_t* nearest, float* squared) {
   const Floats d;
   const hn::RebindToUnsigned<Floats> du;
-  MovedGroup moved[Groups];
-  FloatVector smallest[Groups][parts];
-  hn::Vec<decltype(du)> index[Groups][parts];
-  for (std::size_t g = 0; g < Groups; ++g) {
-    moved[g] = move_group(motion, query.x.data() + first + 16 * g, query.y.data() + first + 16 * g);
+  for (std::size_t first = 0; first < query.count; first += 16) {
+    const MovedGroup moved = move_group(motion, query.x.data() + first, query.y.data() + first);
+    FloatVector smallest[parts];
+    hn::Vec<decltype(du)> index[parts];
     for (std::size_t part = 0; part < parts; ++part) {
-      smallest[g][part] = hn::Set(d, 3e38F);
-      index[g][part] = hn::Zero(du);
+      smallest[part] = hn::Set(d, 3e38F);
+      index[part] = hn::Zero(du);
     }
-  }
-  for (std::uint32_t j = 0; j < reference.size(); ++j) {
-    const auto x = hn::Set(d, reference.x[j]);
-    const auto y = hn::Set(d, reference.y[j]);
-    for (std::size_t g = 0; g < Groups; ++g) {
+    for (std::uint32_t j = 0; j < reference.size(); ++j) {
+      const auto x = hn::Set(d, reference.x[j]);
+      const auto y = hn::Set(d, reference.y[j]);
       for (std::size_t part = 0; part < parts; ++part) {
-        const auto distance = squared_distance(moved[g], part, x, y);
-        const auto smaller = hn::Lt(distance, smallest[g][part]);
-        smallest[g][part] = hn::Min(smallest[g][part], distance);
-        index[g][part] = hn::IfThenElse(hn::RebindMask(du, smaller), hn::Set(du, j), index[g][part]);
+        const auto distance = squared_distance(moved, part, x, y);
+        const auto smaller = hn::Lt(distance, smallest[part]);
+        smallest[part] = hn::IfThenElse(smaller, distance, smallest[part]);
+        index[part] = hn::IfThenElse(hn::RebindMask(du, smaller), hn::Set(du, j), index[part]);
       }
     }
-  }
-  std::size_t count = 0;
-  for (std::size_t g = 0; g < Groups; ++g) {
-    alignas(64) std::uint32_t nearest[16];
-    for (std::size_t part = 0; part < parts; ++part) { hn::Store(index[g][part], du, nearest + part * lanes); }
-    std::uint32_t bits =
-        bits_of_group([&](std::size_t part) HWY_ATTR { return hn::Lt(smallest[g][part], hn::Set(d, limit)); });
-    const std::size_t left = query.count - first - 16 * g;
-    if (left < 16) { bits &= (1U << left) - 1U; }
-    for (; bits != 0; bits &= bits - 1) {
-      const auto lane = static_cast<std::uint32_t>(std::countr_zero(bits));
-      out[count++] = {static_cast<std::uint32_t>(first + 16 * g) + lane, nearest[lane]};
+    for (std::size_t part = 0; part < parts; ++part) {
+      hn::StoreU(index[part], du, nearest + first + part * lanes);
+      hn::StoreU(smallest[part], d, squared + first + part * lanes);
     }
   }
-  return count;
-}
-
-std::size_t near_points(const Motion& motion, const ScoredPoints& query, const KeypointColumns& reference, float limit,
-                        IndexPair* out) {
-  std::size_t count = 0;
-  std::size_t first = 0;
-  for (; first + 16 < query.count; first += 32) {
-    count += near_in_groups<2>(motion, query, first, reference, limit, out + count);
-  }
-  if (first < query.count) { count += near_in_groups<1>(motion, query, first, reference, limit, out + count); }
-  return count;
 }
 
 void fill_turns(CandidateColumns& c) {
@@ -225,7 +199,7 @@ namespace flirt {
 namespace {
 
 HWY_EXPORT(truncated_costs);
-HWY_EXPORT(near_points);
+HWY_EXPORT(nearest_points);
 HWY_EXPORT(mark_rigid_pairs);
 HWY_EXPORT(fill_turns);
 
@@ -287,15 +261,16 @@ void truncated_costs(std::span<const Motion> motions, const ScoredPoints& query,
   }
 }
 
-std::size_t near_points(const Motion& reference_from_query, const ScoredPoints& query,
-                        const KeypointColumns& reference, float limit, std::span<IndexPair> out) {
-  FLIRT_ASSERT(out.size() >= query.count);
-  return HWY_DYNAMIC_DISPATCH(near_points)(reference_from_query, query, reference, limit, out.data());
+void nearest_points(const Motion& reference_from_query, const ScoredPoints& query, const KeypointColumns& reference,
+                    std::span<std::uint32_t> nearest, std::span<float> squared) {
+  FLIRT_ASSERT(nearest.size() >= padded(query.count) && squared.size() >= padded(query.count));
+  HWY_DYNAMIC_DISPATCH(nearest_points)(reference_from_query, query, reference, nearest.data(), squared.data());
 }
 
 void CandidateColumns::resize(std::size_t candidates) {
   count = candidates;
-  for (AlignedVector<float>* column : {&query_x, &query_y, &reference_x, &reference_y, &turn, &turn_cosine, &turn_sine}) {
+  for (AlignedVector<float>* column :
+       {&query_x, &query_y, &reference_x, &reference_y, &turn, &turn_cosine, &turn_sine}) {
     column->resize(std::max(column->size(), padded(candidates)), 0.0F);
   }
 }

@@ -44,19 +44,10 @@ struct MovedPoints {
 void truncated_costs(std::span<const Motion> motions, const ScoredPoints& query, const KeypointColumns& reference,
                      float limit, MovedPoints& workspace, std::span<float> costs);
 
-/// A keypoint of the query and one of the reference.
-struct IndexPair {
-  std::uint32_t query{0};
-  std::uint32_t reference{0};
-
-  friend bool operator==(const IndexPair&, const IndexPair&) = default;
-};
-
-/// Query points whose nearest reference point after the motion has a squared distance below `limit`, m², each with that
-/// point, of equal ones the first; in order of the query. `out` has room for all of them; returns how many there are.
-/// O(query · reference).
-[[nodiscard]] std::size_t near_points(const Motion& reference_from_query, const ScoredPoints& query,
-                                      const KeypointColumns& reference, float limit, std::span<IndexPair> out);
+/// For each query point the nearest reference point after the motion, of equal ones the first, and its squared
+/// distance, m²; both have room for the padded count.
+void nearest_points(const Motion& reference_from_query, const ScoredPoints& query, const KeypointColumns& reference,
+                    std::span<std::uint32_t> nearest, std::span<float> squared);
 
 /// Candidate correspondences as columns, padded to groups of 16: both points and the turn of the keypoint's direction.
 struct CandidateColumns {
