@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace flirt {
@@ -221,9 +222,8 @@ TEST(TableOf, PutsKeypointsThatAreNotUsableOutOfSight) {
   const KeypointTable table = table_of(keypoints);
   EXPECT_EQ(table.x, (std::vector<float>{1.0F, out_of_sight, out_of_sight, out_of_sight}));
   EXPECT_EQ(table.theta, (std::vector<float>{3.0F, 0.0F, 0.0F, 0.0F}));
-  ScoredPoints points;
-  points.assign(table.columns());
-  EXPECT_NEAR(truncated_cost({}, points, table.columns(), 0.5F, no_limit), 1.5F, 1e-6)
+  MovedPoints workspace;
+  EXPECT_NEAR(costs_of(std::vector<Motion>(1), table, table, workspace).front(), 1.5F, 1e-6)
       << "only the usable point lies on itself";
 }
 
