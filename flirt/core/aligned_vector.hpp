@@ -10,7 +10,7 @@ namespace flirt {
 
 template <class T>
 struct AlignedAllocator {
-  using value_type = T;
+  using value_type = T;  // NOLINT(readability-identifier-naming): containers ask for it by this name
   static constexpr std::align_val_t alignment{64};
 
   AlignedAllocator() = default;

@@ -57,6 +57,7 @@ TEST(TruncatedCosts, AgreeWithPlainLoopsForAnyCount) {
       for (const std::size_t count : {0U, 1U, 2U, 5U, 30U}) {
         std::vector<Pose2> poses(count);
         std::vector<Motion> motions;
+        motions.reserve(count);
         for (Pose2& pose : poses) { motions.push_back(motion_of(pose = test::random_pose(rng, 2.0))); }
         const std::vector<float> costs = costs_of(motions, query, reference, workspace);
         for (std::size_t i = 0; i < count; ++i) {
@@ -74,6 +75,7 @@ TEST(TruncatedCosts, OfManyMotionsAreThoseOfEachAloneBitByBit) {
     const KeypointTable query = random_table(rng, queries);
     const KeypointTable reference = random_table(rng, 26);
     std::vector<Motion> motions;
+    motions.reserve(50);
     for (int i = 0; i < 50; ++i) { motions.push_back(motion_of(test::random_pose(rng, 1.0))); }
     const std::vector<float> together = costs_of(motions, query, reference, workspace);
     for (std::size_t i = 0; i < motions.size(); ++i) {
