@@ -111,7 +111,7 @@ float rounded(double range, const Beams& beams) {
 }
 
 template <class T>
-void append(std::vector<T>& column, const std::vector<T>& values) {
+void append(MapVector<T>& column, const std::vector<T>& values) {
   column.insert(column.end(), values.begin(), values.end());
 }
 

@@ -6,6 +6,7 @@
 //   const LocalizationResult found = localize(*map, scan);            // flirt/map/localize.hpp
 #pragma once
 
+#include "flirt/core/aligned_vector.hpp"
 #include "flirt/core/parallel.hpp"
 #include "flirt/core/result.hpp"
 #include "flirt/core/scan.hpp"
@@ -48,7 +49,7 @@ struct PlaceMapColumns {
   Column<float> descriptor_variances{};   ///< k · stride, as Descriptors::variances; empty in a map without them
 };
 template <class T>
-using MapVector = std::vector<T>;
+using MapVector = AlignedVector<T>;
 template <class T>
 using MapView = std::span<const T>;
 using PlaceMapVectors = PlaceMapColumns<MapVector>;

@@ -4,6 +4,7 @@
 // set. Each is a sample of p(x | z, m), and the distinct places they agree on are its modes.
 #pragma once
 
+#include "flirt/core/aligned_vector.hpp"
 #include "flirt/core/fields.hpp"
 #include "flirt/core/scan_interval.hpp"
 #include "flirt/features/features.hpp"
@@ -83,8 +84,8 @@ class SolutionSetFinder {
   PlaceMap map_;
   SolutionSetParams params_;
   SketchAxes sketch_axes_{};
-  std::vector<std::int16_t> sketches_{};  ///< of all map features, once a query asked all map scans
-  std::vector<PairMatcher> matchers_;     ///< one per thread
+  AlignedVector<std::int16_t> sketches_{};  ///< of all map features, once a query asked all map scans
+  std::vector<PairMatcher> matchers_;       ///< one per thread
 };
 
 }  // namespace flirt

@@ -80,15 +80,6 @@ HWY_INLINE void all_products(const typename Bound::Element* columns, const Descr
   for (std::size_t v = 0; v < vectors; ++v) { hn::StoreU(largest.row[v], indices, guess + v * lanes); }
 }
 
-/// Bits of the queries, lane by lane, whose product with the row of `products` exceeds `least`.
-template <class Product>
-HWY_INLINE std::uint16_t exceeding(const Product* products, const Product (&least)[16]) {
-  const hn::Rebind<Product, Floats> d;
-  return bits_of_group([&](std::size_t part) HWY_ATTR {
-    return hn::RebindMask(Floats{}, hn::Gt(hn::LoadU(d, products + part * lanes), hn::LoadU(d, least + part * lanes)));
-  });
-}
-
 /// Smaller for what is nearer, of equally near rows for the first. Distances are not negative, so that their bits
 /// are in their order.
 HWY_INLINE std::uint64_t key_of(Nearest nearest) {
@@ -108,19 +99,29 @@ HWY_INLINE void nearest_of_block(const float* query, std::size_t queries, const 
   const auto compared = [&](std::size_t lane, std::uint32_t j) HWY_ATTR {
     return key_of({j, chi_square(query + lane * stride, reference.rows + j * stride, stride)});
   };
-  Product least[16];
+  const Floats d;
+  const hn::Rebind<Product, Floats> dp;
+  alignas(64) float distance[16];
   std::uint64_t keys[16];
-  std::ranges::fill(least, std::numeric_limits<Product>::max());
+  std::ranges::fill(distance, 0.0F);  // the products of missing queries are 0, too few for that
   for (std::size_t lane = 0; lane < queries; ++lane) {
     keys[lane] = std::min(key_of({reference.count, limit}), compared(lane, guess[lane]));
-    least[lane] = Bound::least_product(nearest_of(keys[lane]).distance);
+    distance[lane] = nearest_of(keys[lane]).distance;
     products[std::size_t{guess[lane]} * 16 + lane] = std::numeric_limits<Product>::lowest();  // done
+  }
+  hn::Vec<decltype(dp)> least[parts];
+  for (std::size_t part = 0; part < parts; ++part) {
+    least[part] = Bound::least_products(hn::Load(d, distance + part * lanes));
   }
   for (std::uint32_t first = 0; first < reference.count; first += rows_at_once) {
     std::uint64_t bits = 0;
     const std::uint32_t rows = std::min<std::uint32_t>(rows_at_once, reference.count - first);
     for (std::uint32_t r = 0; r < rows; ++r) {
-      bits |= std::uint64_t{exceeding(products + (std::size_t{first} + r) * 16, least)} << (16 * r);
+      const Product* row = products + (std::size_t{first} + r) * 16;
+      const auto exceed = [&](std::size_t part) HWY_ATTR {
+        return hn::RebindMask(d, hn::Gt(hn::LoadU(dp, row + part * lanes), least[part]));
+      };
+      bits |= std::uint64_t{bits_of_group(exceed)} << (16 * r);
     }
     for (; bits != 0; bits &= bits - 1) {
       const auto bit = static_cast<std::uint32_t>(std::countr_zero(bits));
@@ -195,7 +196,7 @@ HWY_EXPORT(nearest_by_sketches);
 /// Rows of 16 queries side by side, `together` neighbouring elements of each; zeros for queries that are missing.
 template <class Element>
 void lay_side_by_side(const Element* rows, std::size_t count, std::size_t stride, std::size_t together,
-                      std::vector<Element>& columns) {
+                      AlignedVector<Element>& columns) {
   columns.assign((count + 15) / 16 * 16 * stride, Element{0});
   for (std::size_t i = 0; i < count; ++i) {
     Element* block = columns.data() + i / 16 * 16 * stride;
@@ -209,7 +210,9 @@ void lay_side_by_side(const Element* rows, std::size_t count, std::size_t stride
 
 void NearestRows::set_query(const DescriptorRows& query) {
   FLIRT_ASSERT(is_normalised(query));
+  query_rows_.assign(query.rows, query.rows + std::size_t{query.count} * query.stride);
   query_ = query;
+  query_.rows = query_rows_.data();
   lay_side_by_side(query.roots, query.count, query.stride, 1, root_columns_);
   if (query.sketches != nullptr) { lay_side_by_side(query.sketches, query.count, sketch_size, 2, sketch_columns_); }
   nearest_.resize(query.count);

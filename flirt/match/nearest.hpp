@@ -5,6 +5,7 @@
 // a row whose roots have a small dot product with the query's can't be nearest, and needs no division.
 #pragma once
 
+#include "flirt/core/aligned_vector.hpp"
 #include "flirt/match/distance.hpp"
 
 #include <cstdint>
@@ -34,10 +35,11 @@ class NearestRows {
 
  private:
   DescriptorRows query_{};
-  std::vector<float> root_columns_{};           ///< the roots of 16 queries side by side, and so on
-  std::vector<std::int16_t> sketch_columns_{};  ///< their sketches
-  std::vector<float> root_products_{};          ///< reference × 16, of the block at work
-  std::vector<std::int32_t> sketch_products_{};
+  AlignedVector<float> query_rows_{};
+  AlignedVector<float> root_columns_{};           ///< the roots of 16 queries side by side, and so on
+  AlignedVector<std::int16_t> sketch_columns_{};  ///< their sketches
+  AlignedVector<float> root_products_{};          ///< reference × 16, of the block at work
+  AlignedVector<std::int32_t> sketch_products_{};
   std::vector<Nearest> nearest_{};
 };
 

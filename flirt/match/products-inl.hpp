@@ -26,9 +26,11 @@ struct RootProducts {
   using Element = float;
   using Product = float;
 
-  /// Rows nearer than `distance` have a larger product than this; covers the rounding of a dot product of normalised
+  /// Rows nearer than `distance` have larger products than these; covers the rounding of a dot product of normalised
   /// rows, and of their normalisation, with room to spare.
-  static Product least_product(float distance) { return 1.0F - distance - 1e-5F; }
+  static HWY_INLINE FloatVector least_products(FloatVector distance) {
+    return hn::Sub(hn::Set(Floats{}, 1.0F - 1e-5F), distance);
+  }
   static const Element* rows(const DescriptorRows& table) { return table.roots; }
   static std::size_t stride(const DescriptorRows& table) { return table.stride; }
 
@@ -57,9 +59,11 @@ struct SketchProducts {
   using Element = std::int16_t;
   using Product = std::int32_t;
 
-  static Product least_product(float distance) {
-    const float at_most = std::min(distance, 2.0F);  // χ² never exceeds 1, a limit may
-    return static_cast<Product>((1.0F - at_most - sketch_slack) * (sketch_scale * sketch_scale));
+  static HWY_INLINE hn::Vec<Integers> least_products(FloatVector distance) {
+    const Floats d;
+    const auto at_most = hn::Min(distance, hn::Set(d, 2.0F));  // χ² never exceeds 1, a limit may
+    const auto least = hn::Sub(hn::Set(d, 1.0F - sketch_slack), at_most);
+    return hn::ConvertTo(Integers{}, hn::Mul(least, hn::Set(d, sketch_scale * sketch_scale)));
   }
   static const Element* rows(const DescriptorRows& table) { return table.sketches; }
   static std::size_t stride(const DescriptorRows& /*table*/) { return sketch_size; }
@@ -95,7 +99,14 @@ struct SketchProducts {
         std::memcpy(&two, rows + r * stride + k, sizeof two);
         const auto both = hn::BitCast(pairs, hn::Set(d, two));
         for (std::size_t v = 0; v < Vectors; ++v) {
+#if HWY_TARGET == HWY_AVX3_DL && HWY_COMPILER_GCC
+          // Highway 1.0.3 takes two instructions for this, and names its target so that the intrinsic won't do.
+          auto raw = sum[r][v].raw;
+          asm("vpdpwssd %2, %1, %0" : "+v"(raw) : "v"(column[v].raw), "v"(both.raw));
+          sum[r][v].raw = raw;
+#else
           sum[r][v] = hn::ReorderWidenMulAccumulate(d, column[v], both, sum[r][v], upper[r][v]);
+#endif
         }
       }
     }

@@ -126,16 +126,18 @@ void Ransac::prepare(const KeypointColumns& reference, std::span<const Match> ca
 void Ransac::try_random(const KeypointColumns& reference) {
   Rng rng(params_.seed);
   const auto count = static_cast<std::uint32_t>(usable_.size());
+  pairs_.pairs.clear();
   for (std::uint32_t iteration = 0; iteration < iterations_; ++iteration) {
     const std::uint32_t i = rng.below(count);
     const std::uint32_t other = rng.below(count - 1);
     const std::uint32_t j = other < i ? other : other + 1;
-    if (!is_rigid_pair(candidates_, i, j, pair_limits_)) { continue; }
-    const Motion motion = motion_of_segment(candidates_, i, j);
-    const float cost = cost_of(motion, reference);
-    if (cost < best_cost_) {
-      best_cost_ = cost;
-      best_motion_ = motion;
+    if (is_rigid_pair(candidates_, i, j, pair_limits_)) { pairs_.pairs.push_back({i, j}); }
+  }
+  find_costs(reference);
+  for (std::size_t k = 0; k < motions_.size(); ++k) {
+    if (costs_[k] < best_cost_) {
+      best_cost_ = costs_[k];
+      best_motion_ = motions_[k];
     }
   }
 }
@@ -146,15 +148,29 @@ void Ransac::try_all(const KeypointColumns& reference) {
   std::size_t samples = 0;
   while (count < usable_.size() && samples < params_.max_samples) { samples += count++; }
   rigid_pairs(candidates_, count, pair_limits_, pairs_);
+  find_costs(reference);
   CandidatePair best{};
-  for (const CandidatePair& pair : pairs_.pairs) {
-    const Motion motion = motion_of_segment(candidates_, pair.i, pair.j);
-    const float cost = cost_of(motion, reference);
-    if (cost < best_cost_ || (cost == best_cost_ && comes_first(pair, best))) {
+  for (std::size_t k = 0; k < motions_.size(); ++k) {
+    const CandidatePair& pair = pairs_.pairs[k];
+    if (costs_[k] < best_cost_ || (costs_[k] == best_cost_ && comes_first(pair, best))) {
       best = pair;
-      best_cost_ = cost;
-      best_motion_ = motion;
+      best_cost_ = costs_[k];
+      best_motion_ = motions_[k];
     }
+  }
+}
+
+/// The motions of all pairs and their costs: m², truncated squared distances summed over all query keypoints.
+void Ransac::find_costs(const KeypointColumns& reference) {
+  motions_.resize(pairs_.pairs.size());
+  costs_.resize(pairs_.pairs.size());
+  for (std::size_t k = 0; k < motions_.size(); ++k) {
+    motions_[k] = motion_of_segment(candidates_, pairs_.pairs[k].i, pairs_.pairs[k].j);
+  }
+  if (params_.inlier_rule == InlierRule::nearest_point) {
+    truncated_costs(motions_, scored_query_, reference, limit_, moved_points_, costs_);
+  } else {
+    for (std::size_t k = 0; k < motions_.size(); ++k) { costs_[k] = one_to_one_cost(motions_[k], reference.size()); }
   }
 }
 
@@ -169,12 +185,8 @@ bool Ransac::comes_first(const CandidatePair& a, const CandidatePair& b) const {
   return is_better(worse_a, worse_b) || (!is_better(worse_b, worse_a) && is_better(better_a, better_b));
 }
 
-/// m², truncated squared distances summed over all query keypoints.
-float Ransac::cost_of(const Motion& reference_from_query, const KeypointColumns& reference) {
-  if (params_.inlier_rule == InlierRule::nearest_point) {
-    return truncated_cost(reference_from_query, scored_query_, reference, limit_, best_cost_);
-  }
-  pair_one_to_one(reference_from_query, reference.size());
+float Ransac::one_to_one_cost(const Motion& reference_from_query, std::size_t references) {
+  pair_one_to_one(reference_from_query, references);
   float cost = limit_ * static_cast<float>(query_.size());
   for (const auto& [squared, candidate] : near_candidates_) { cost -= limit_ - squared; }
   return cost;

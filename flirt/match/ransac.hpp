@@ -127,7 +127,8 @@ class Ransac {
   void try_random(const KeypointColumns& reference);
   void try_all(const KeypointColumns& reference);
   [[nodiscard]] bool comes_first(const CandidatePair& a, const CandidatePair& b) const;
-  [[nodiscard]] float cost_of(const Motion& reference_from_query, const KeypointColumns& reference);
+  void find_costs(const KeypointColumns& reference);
+  [[nodiscard]] float one_to_one_cost(const Motion& reference_from_query, std::size_t references);
   void pair_one_to_one(const Motion& reference_from_query, std::size_t references);
   [[nodiscard]] float farthest_inlier(const Motion& reference_from_query) const;
   void evaluate(const Pose2& reference_from_query, const KeypointColumns& reference, Support& support);
@@ -143,6 +144,9 @@ class Ransac {
   std::vector<Match> usable_{};  ///< candidates whose keypoints are in sight
   CandidateColumns candidates_{};
   RigidPairs pairs_{};
+  std::vector<Motion> motions_{};  ///< of the pairs
+  std::vector<float> costs_{};     ///< m², of the motions
+  MovedPoints moved_points_{};
   std::vector<std::uint32_t> nearest_{};                            ///< reference keypoint of each query keypoint
   std::vector<float> squared_{};                                    ///< m², distance to it
   std::vector<std::pair<float, std::uint32_t>> near_candidates_{};  ///< one-to-one: squared distance and candidate

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <type_traits>
 
 // clang-format off
 #undef HWY_TARGET_INCLUDE
@@ -46,28 +47,69 @@ HWY_INLINE FloatVector squared_distance(const MovedGroup& moved, std::size_t par
   return hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
 }
 
-float truncated_cost(const Motion& motion, const ScoredPoints& query, const KeypointColumns& reference, float limit,
-                     float give_up) {
+/// min(d², limit) for `Vectors` vectors of points. Several at once, as one alone waits for its own results.
+template <std::size_t Vectors>
+HWY_INLINE void truncated_distances(const float* moved_x, const float* moved_y, const KeypointColumns& reference,
+                                    float limit, float* squared) {
   const Floats d;
-  float cost = 0.0F;
-  for (std::size_t first = 0; first < query.count; first += 16) {
-    const MovedGroup moved = move_group(motion, query.x.data() + first, query.y.data() + first);
-    FloatVector smallest[parts];
-    for (auto& part : smallest) { part = hn::Set(d, limit); }
-    for (std::size_t j = 0; j < reference.size(); ++j) {
-      const auto x = hn::Set(d, reference.x[j]);
-      const auto y = hn::Set(d, reference.y[j]);
+  FloatVector point_x[Vectors];
+  FloatVector point_y[Vectors];
+  FloatVector smallest[Vectors];
+  for (std::size_t v = 0; v < Vectors; ++v) {
+    point_x[v] = hn::LoadU(d, moved_x + v * lanes);
+    point_y[v] = hn::LoadU(d, moved_y + v * lanes);
+    smallest[v] = hn::Set(d, limit);
+  }
+  for (std::size_t j = 0; j < reference.size(); ++j) {
+    const auto x = hn::Set(d, reference.x[j]);
+    const auto y = hn::Set(d, reference.y[j]);
+    for (std::size_t v = 0; v < Vectors; ++v) {
+      const auto dx = hn::Sub(point_x[v], x);
+      const auto dy = hn::Sub(point_y[v], y);
+      smallest[v] = hn::Min(smallest[v], hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)));
+    }
+  }
+  for (std::size_t v = 0; v < Vectors; ++v) { hn::StoreU(smallest[v], d, squared + v * lanes); }
+}
+
+/// The points of all motions lie behind each other, without gaps, so that no vector is half empty.
+void truncated_costs(const Motion* motions, std::size_t count, const ScoredPoints& query,
+                     const KeypointColumns& reference, float limit, MovedPoints& moved, float* costs) {
+  const Floats d;
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t first = 0; first < query.count; first += 16) {
+      const MovedGroup group = move_group(motions[i], query.x.data() + first, query.y.data() + first);
       for (std::size_t part = 0; part < parts; ++part) {
-        smallest[part] = hn::Min(smallest[part], squared_distance(moved, part, x, y));
+        const std::size_t at = i * query.count + first + part * lanes;
+        hn::StoreU(group.x[part], d, moved.x.data() + at);
+        hn::StoreU(group.y[part], d, moved.y.data() + at);
       }
     }
-    for (std::size_t part = 0; part < parts; ++part) {
-      smallest[part] = hn::Mul(smallest[part], hn::LoadU(d, query.weight.data() + first + part * lanes));
-    }
-    cost += sum_of_group(smallest);
-    if (cost > give_up) { break; }
   }
-  return cost;
+  constexpr std::size_t at_once = 4;
+  const auto distances = [&](std::size_t first, auto vectors) HWY_ATTR {
+    truncated_distances<vectors.value>(moved.x.data() + first, moved.y.data() + first, reference, limit,
+                                       moved.squared.data() + first);
+  };
+  const std::size_t points = count * query.count;
+  std::size_t first = 0;
+  for (; first + (at_once - 1) * lanes < points; first += at_once * lanes) {
+    distances(first, std::integral_constant<std::size_t, at_once>{});
+  }
+  for (; first + lanes < points; first += 2 * lanes) { distances(first, std::integral_constant<std::size_t, 2>{}); }
+  if (first < points) { distances(first, std::integral_constant<std::size_t, 1>{}); }
+
+  for (std::size_t i = 0; i < count; ++i) {
+    costs[i] = 0.0F;
+    for (std::size_t group = 0; group < query.count; group += 16) {
+      FloatVector squared[parts];
+      for (std::size_t part = 0; part < parts; ++part) {
+        squared[part] = hn::Mul(hn::LoadU(d, moved.squared.data() + i * query.count + group + part * lanes),
+                                hn::LoadU(d, query.weight.data() + group + part * lanes));
+      }
+      costs[i] += sum_of_group(squared);
+    }
+  }
 }
 
 void nearest_points(const Motion& motion, const ScoredPoints& query, const KeypointColumns& reference,
@@ -156,7 +198,7 @@ HWY_AFTER_NAMESPACE();
 namespace flirt {
 namespace {
 
-HWY_EXPORT(truncated_cost);
+HWY_EXPORT(truncated_costs);
 HWY_EXPORT(nearest_points);
 HWY_EXPORT(mark_rigid_pairs);
 HWY_EXPORT(fill_turns);
@@ -205,9 +247,18 @@ void ScoredPoints::assign(const KeypointColumns& keypoints) {
   }
 }
 
-float truncated_cost(const Motion& reference_from_query, const ScoredPoints& query, const KeypointColumns& reference,
-                     float limit, float give_up) {
-  return HWY_DYNAMIC_DISPATCH(truncated_cost)(reference_from_query, query, reference, limit, give_up);
+void truncated_costs(std::span<const Motion> motions, const ScoredPoints& query, const KeypointColumns& reference,
+                     float limit, MovedPoints& workspace, std::span<float> costs) {
+  FLIRT_ASSERT(costs.size() == motions.size());
+  const std::size_t at_once = std::min<std::size_t>(64, motions.size());  // whose points stay near the processor
+  for (AlignedVector<float>* column : {&workspace.x, &workspace.y, &workspace.squared}) {
+    column->resize(std::max(column->size(), at_once * query.count + 64), 0.0F);
+  }
+  for (std::size_t first = 0; first < motions.size(); first += at_once) {
+    const std::size_t count = std::min(at_once, motions.size() - first);
+    HWY_DYNAMIC_DISPATCH(truncated_costs)
+    (motions.data() + first, count, query, reference, limit, workspace, costs.data() + first);
+  }
 }
 
 void nearest_points(const Motion& reference_from_query, const ScoredPoints& query, const KeypointColumns& reference,
@@ -218,7 +269,8 @@ void nearest_points(const Motion& reference_from_query, const ScoredPoints& quer
 
 void CandidateColumns::resize(std::size_t candidates) {
   count = candidates;
-  for (std::vector<float>* column : {&query_x, &query_y, &reference_x, &reference_y, &turn, &turn_cosine, &turn_sine}) {
+  for (AlignedVector<float>* column :
+       {&query_x, &query_y, &reference_x, &reference_y, &turn, &turn_cosine, &turn_sine}) {
     column->resize(std::max(column->size(), padded(candidates)), 0.0F);
   }
 }
@@ -229,18 +281,19 @@ void fill_turns(CandidateColumns& candidates) {
 
 void rigid_pairs(const CandidateColumns& candidates, std::size_t count, const PairLimits& limits, RigidPairs& pairs) {
   FLIRT_ASSERT(count <= candidates.count);
-  const std::size_t groups = padded(count) / 16;
+  const std::size_t groups = std::bit_ceil(padded(count) / 16);
   const std::size_t words = (count * groups + 3) / 4;
   pairs.bits.assign(4 * words, 0);
   HWY_DYNAMIC_DISPATCH(mark_rigid_pairs)(candidates, count, limits, groups, pairs.bits.data());
   pairs.pairs.clear();
+  const auto row_shift = static_cast<std::size_t>(std::countr_zero(16 * groups));
   for (std::size_t word = 0; word < words; ++word) {
     std::uint64_t bits = 0;
     for (std::size_t k = 0; k < 4; ++k) { bits |= std::uint64_t{pairs.bits[4 * word + k]} << (16 * k); }
     for (; bits != 0; bits &= bits - 1) {
       const std::size_t bit = 64 * word + static_cast<std::size_t>(std::countr_zero(bits));
-      pairs.pairs.push_back(
-          {static_cast<std::uint32_t>(bit % (16 * groups)), static_cast<std::uint32_t>(bit / (16 * groups))});
+      const std::size_t j = bit >> row_shift;
+      pairs.pairs.push_back({static_cast<std::uint32_t>(bit - (j << row_shift)), static_cast<std::uint32_t>(j)});
     }
   }
 }

@@ -1,6 +1,7 @@
 // flirt/match/score.hpp: the three inner loops of the search for a rigid motion, vectorised.
 #pragma once
 
+#include "flirt/core/aligned_vector.hpp"
 #include "flirt/core/pose2.hpp"
 #include "flirt/match/columns.hpp"
 
@@ -23,19 +24,25 @@ struct Motion {
 
 /// Query keypoints padded to groups of 16; padding has weight 0.
 struct ScoredPoints {
-  std::vector<float> x;       ///< m, query frame
-  std::vector<float> y;       ///< m, query frame
-  std::vector<float> weight;  ///< 1 for a point
+  AlignedVector<float> x;       ///< m, query frame
+  AlignedVector<float> y;       ///< m, query frame
+  AlignedVector<float> weight;  ///< 1 for a point
   std::size_t count{0};
   float farthest{0};  ///< m, no point in sight is farther from the sensor
 
   void assign(const KeypointColumns& keypoints);
 };
 
-/// Σ over query points of min(d², limit), d the distance to the nearest reference point after the motion, m². Once the
-/// sum exceeds `give_up` the rest is left out: some number above `give_up` comes back. O(query · reference).
-[[nodiscard]] float truncated_cost(const Motion& reference_from_query, const ScoredPoints& query,
-                                   const KeypointColumns& reference, float limit, float give_up);
+/// Query points after several motions.
+struct MovedPoints {
+  AlignedVector<float> x, y;     ///< m, reference frame
+  AlignedVector<float> squared;  ///< m², to the nearest reference point, or the limit
+};
+
+/// For each motion Σ over query points of min(d², limit), d the distance to the nearest reference point after the
+/// motion, m². O(motions · query · reference).
+void truncated_costs(std::span<const Motion> motions, const ScoredPoints& query, const KeypointColumns& reference,
+                     float limit, MovedPoints& workspace, std::span<float> costs);
 
 /// For each query point the nearest reference point after the motion, of equal ones the first, and its squared
 /// distance, m²; both have room for the padded count.
@@ -44,10 +51,10 @@ void nearest_points(const Motion& reference_from_query, const ScoredPoints& quer
 
 /// Candidate correspondences as columns, padded to groups of 16: both points and the turn of the keypoint's direction.
 struct CandidateColumns {
-  std::vector<float> query_x, query_y;          ///< m, query frame
-  std::vector<float> reference_x, reference_y;  ///< m, reference frame
-  std::vector<float> turn;  ///< rad, of the keypoint's direction from query to reference, in (−2π, 2π)
-  std::vector<float> turn_cosine, turn_sine;  ///< see fill_turns
+  AlignedVector<float> query_x, query_y;          ///< m, query frame
+  AlignedVector<float> reference_x, reference_y;  ///< m, reference frame
+  AlignedVector<float> turn;  ///< rad, of the keypoint's direction from query to reference, in (−2π, 2π)
+  AlignedVector<float> turn_cosine, turn_sine;  ///< see fill_turns
   std::size_t count{0};
 
   void resize(std::size_t candidates);

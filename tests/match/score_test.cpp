@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace flirt {
 namespace {
@@ -33,34 +34,54 @@ double slow_cost(const Pose2& reference_from_query, const KeypointTable& query, 
   return cost;
 }
 
-constexpr float no_limit = std::numeric_limits<float>::infinity();
+ScoredPoints scored(const KeypointTable& table) {
+  ScoredPoints points;
+  points.assign(table.columns());
+  return points;
+}
 
-TEST(TruncatedCost, AgreesWithPlainLoopsForAnyCount) {
+std::vector<float> costs_of(const std::vector<Motion>& motions, const KeypointTable& query,
+                            const KeypointTable& reference, MovedPoints& workspace) {
+  std::vector<float> costs(motions.size());
+  truncated_costs(motions, scored(query), reference.columns(), 0.5F, workspace, costs);
+  return costs;
+}
+
+TEST(TruncatedCosts, AgreeWithPlainLoopsForAnyCount) {
   Rng rng(1);
+  MovedPoints workspace;
   for (const std::size_t queries : {1U, 7U, 16U, 17U, 33U}) {
     for (const std::size_t references : {0U, 1U, 5U, 40U}) {
       const KeypointTable query = random_table(rng, queries);
       const KeypointTable reference = random_table(rng, references);
-      const Pose2 pose = test::random_pose(rng, 2.0);
-      ScoredPoints points;
-      points.assign(query.columns());
-      EXPECT_NEAR(truncated_cost(motion_of(pose), points, reference.columns(), 0.5F, no_limit),
-                  slow_cost(pose, query, reference, 0.5), 1e-4);
+      for (const std::size_t count : {0U, 1U, 2U, 5U, 30U}) {
+        std::vector<Pose2> poses(count);
+        std::vector<Motion> motions;
+        motions.reserve(count);
+        for (Pose2& pose : poses) { motions.push_back(motion_of(pose = test::random_pose(rng, 2.0))); }
+        const std::vector<float> costs = costs_of(motions, query, reference, workspace);
+        for (std::size_t i = 0; i < count; ++i) {
+          EXPECT_NEAR(costs[i], slow_cost(poses[i], query, reference, 0.5), 1e-4);
+        }
+      }
     }
   }
 }
 
-TEST(TruncatedCost, GivesUpOnlyAboveTheGivenCost) {
+TEST(TruncatedCosts, OfManyMotionsAreThoseOfEachAloneBitByBit) {
   Rng rng(2);
-  const KeypointTable query = random_table(rng, 40);
-  const KeypointTable reference = random_table(rng, 10);
-  ScoredPoints points;
-  points.assign(query.columns());
-  const float full = truncated_cost({}, points, reference.columns(), 0.5F, no_limit);
-  EXPECT_EQ(truncated_cost({}, points, reference.columns(), 0.5F, full), full);
-  const float half = truncated_cost({}, points, reference.columns(), 0.5F, 0.5F * full);
-  EXPECT_GT(half, 0.5F * full);
-  EXPECT_LE(half, full);
+  MovedPoints workspace;
+  for (const std::size_t queries : {3U, 16U, 25U, 40U}) {
+    const KeypointTable query = random_table(rng, queries);
+    const KeypointTable reference = random_table(rng, 26);
+    std::vector<Motion> motions;
+    motions.reserve(50);
+    for (int i = 0; i < 50; ++i) { motions.push_back(motion_of(test::random_pose(rng, 1.0))); }
+    const std::vector<float> together = costs_of(motions, query, reference, workspace);
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+      EXPECT_EQ(together[i], costs_of({motions[i]}, query, reference, workspace).front());
+    }
+  }
 }
 
 TEST(NearestPoints, AgreesWithPlainLoopsAndTakesTheFirstOfEqualOnes) {
@@ -203,9 +224,8 @@ TEST(TableOf, PutsKeypointsThatAreNotUsableOutOfSight) {
   const KeypointTable table = table_of(keypoints);
   EXPECT_EQ(table.x, (std::vector<float>{1.0F, out_of_sight, out_of_sight, out_of_sight}));
   EXPECT_EQ(table.theta, (std::vector<float>{3.0F, 0.0F, 0.0F, 0.0F}));
-  ScoredPoints points;
-  points.assign(table.columns());
-  EXPECT_NEAR(truncated_cost({}, points, table.columns(), 0.5F, no_limit), 1.5F, 1e-6)
+  MovedPoints workspace;
+  EXPECT_NEAR(costs_of(std::vector<Motion>(1), table, table, workspace).front(), 1.5F, 1e-6)
       << "only the usable point lies on itself";
 }
 
