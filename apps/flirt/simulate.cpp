@@ -103,7 +103,7 @@ void add_plan(const FloorPlan& plan, svg::Plan& figure) {
         svg::Raster{grey_image(plan.image), plan.image.map_from_image, plan.image.resolution, 1.0});
   }
   svg::Polylines solid{.colour = svg::black, .width = 0.8};
-  svg::Polylines glass{.colour = svg::sky_blue, .width = 2, .legend = "glass"};
+  svg::Polylines glass{.colour = svg::purple, .width = 3, .legend = "glass"};
   for (const PlanSegment& segment : plan.segments) {
     (segment.material == Material::glass ? glass : solid).lines.push_back({segment.begin, segment.end});
   }
