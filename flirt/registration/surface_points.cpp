@@ -9,6 +9,8 @@
 namespace flirt {
 namespace {
 
+constexpr std::size_t fewest_on_line = 3;  // points
+
 struct Surface {
   Point2 point;
   Point2 normal;  // (0, 0): none
@@ -34,12 +36,24 @@ Neighbours neighbours(const std::vector<BeamPoint>& hits, std::size_t at, double
   return {begin, end};
 }
 
+/// A point and the ones before and after it where they lie in line, though far apart: a wall at a grazing angle.
+Neighbours in_line(const std::vector<BeamPoint>& hits, std::size_t at) {
+  constexpr double cos_in_line = 0.985;  // 10°
+  constexpr double farthest = 1;         // m
+  const Neighbours alone{at, at + 1};
+  if (at == 0 || at + 1 == hits.size()) { return alone; }
+  const Point2 before = hits[at].point - hits[at - 1].point;
+  const Point2 after = hits[at + 1].point - hits[at].point;
+  if (std::max(norm(before), norm(after)) > farthest) { return alone; }
+  return dot(before, after) > cos_in_line * norm(before) * norm(after) ? Neighbours{at - 1, at + 2} : alone;
+}
+
 /// The line through the neighbours, when there are three or more and they lie on one.
 Surface fit(const std::vector<BeamPoint>& hits, std::size_t at, Neighbours around) {
   constexpr double roundest = 0.1;  // smaller over larger variance
   const Point2 point = hits[at].point;
+  if (around.end - around.begin < fewest_on_line) { return {point, {}}; }
   const auto n = static_cast<double>(around.end - around.begin);
-  if (n < 3) { return {point, {}}; }
   Point2 sum;
   for (std::size_t i = around.begin; i < around.end; ++i) { sum = sum + hits[i].point; }
   const Point2 mean = 1.0 / n * sum;
@@ -110,7 +124,9 @@ SurfacePoints surface_points(const Scan& scan, const SurfacePointParams& params)
     if (last && norm(hits[i].point - *last) < params.spacing) { continue; }
     last = hits[i].point;
     const double radius = std::max(params.fit_radius, beams_in_reach * range * std::abs(scan.beams.angle_step));
-    append(points, fit(hits, i, neighbours(hits, i, radius)), scan.robot_from_sensor);
+    Neighbours around = neighbours(hits, i, radius);
+    if (around.end - around.begin < fewest_on_line) { around = in_line(hits, i); }
+    append(points, fit(hits, i, around), scan.robot_from_sensor);
   }
   sort_by_bearing(points);
   index_bearings(points);

@@ -13,16 +13,16 @@
 namespace flirt {
 namespace {
 
-/// A point with no surface fitted to it that lies in line with its neighbours: a wall at a grazing angle, where it is
-/// hit depends on where the robot stands.
+/// A point of a wall at a grazing angle, far from its neighbours: where it is hit depends on where the robot stands.
 bool grazes(const SurfacePoints& points, std::size_t i) {
   constexpr double cos_in_line = 0.985;  // 10°
-  if (points.normal_x[i] != 0 || points.normal_y[i] != 0) { return false; }
-  if (i == 0 || i + 1 == points.size()) { return true; }
+  constexpr double far = 0.2;            // m
+  if (i == 0 || i + 1 == points.size()) { return points.normal_x[i] == 0 && points.normal_y[i] == 0; }
   const auto at = [&](std::size_t k) { return Point2{points.x[k], points.y[k]}; };
   const Point2 before = at(i) - at(i - 1);
   const Point2 after = at(i + 1) - at(i);
-  return dot(before, after) > cos_in_line * norm(before) * norm(after);
+  return std::max(norm(before), norm(after)) > far &&
+         dot(before, after) > cos_in_line * norm(before) * norm(after);
 }
 
 SurfacePoints without_grazed(const SurfacePoints& points) {
@@ -38,19 +38,17 @@ SurfacePoints without_grazed(const SurfacePoints& points) {
   return kept;
 }
 
-/// Whether the pose agrees clearly better with the map than poses to both sides of it: what few surfaces hold it then
-/// do so for sure (the end of a long corridor).
-bool stands_out(const LocalMap& map, const SurfacePoints& points, const Pose2& map_from_robot,
-                Point2 direction_in_robot, double drop) {
+double lead_over_aside(const LocalMap& map, const SurfacePoints& points, const Pose2& map_from_robot,
+                       Point2 direction_in_robot) {
   constexpr double aside = 0.3;  // m
   const SurfacePoints telling = without_grazed(points);
   const std::span<const SurfacePoints> scan(&telling, 1);
-  const double here = score_of(map.agreement(scan, map_from_robot));
+  double best = -1e9;
   for (const double step : {-aside, aside}) {
     const Pose2 there = map_from_robot * Pose2{step * direction_in_robot.x, step * direction_in_robot.y, 0};
-    if (here - score_of(map.agreement(scan, there)) < drop) { return false; }
+    best = std::max(best, score_of(map.agreement(scan, there)));
   }
-  return true;
+  return score_of(map.agreement(scan, map_from_robot)) - best;
 }
 
 /// Σ JᵀJ of distances from surfaces over a motion of the robot in its own frame.
@@ -76,7 +74,7 @@ struct Information {
         sum.topLeftCorner<2, 2>() - sum.topRightCorner<2, 1>() * sum.bottomLeftCorner<1, 2>() / heading;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(translation);
     const Eigen::Vector2d direction = solver.eigenvectors().col(0);
-    return {solver.eigenvalues().x() / surfaces, {direction.x(), direction.y()}};
+    return {.weakest = solver.eigenvalues().x() / surfaces, .direction = {direction.x(), direction.y()}};
   }
 };
 
@@ -121,15 +119,13 @@ Hold hold_of(const SurfacePoints& points, const LocalMap& map, const Pose2& map_
     (is_in_the_open ? contradicting : standing).add(points, i);
   }
   Hold hold = standing.weakest();
+  hold.lead = lead_over_aside(map, points, map_from_robot, hold.direction);
   hold.doubted = contradicting.along(hold.direction) > agreeing.along(hold.direction);
   return hold;
 }
 
-bool holds(const Hold& hold, const LocalMap& map, const SurfacePoints& points, const Pose2& map_from_robot,
-           const SlamParams& params) {
-  if (hold.doubted) { return false; }
-  return hold.weakest >= params.unobservable_share ||
-         stands_out(map, points, map_from_robot, hold.direction, params.unobservable_drop);
+bool holds(const Hold& hold, const SlamParams& params) {
+  return !hold.doubted && (hold.weakest >= params.unobservable_share || hold.lead >= params.unobservable_drop);
 }
 
 }  // namespace flirt

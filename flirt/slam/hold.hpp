@@ -11,6 +11,7 @@ namespace flirt {
 struct Hold {
   double weakest{0};       ///< least information about a direction of translation, heading being free, a point; 0..1
   Point2 direction{1, 0};  ///< that direction, frame of the robot
+  double lead{0};          ///< score by which the pose leads over those 0.3 m aside along it, grazed walls left out
   bool doubted{false};     ///< more of what tells about that direction contradicts the map than agrees with it
 };
 
@@ -21,8 +22,7 @@ struct Hold {
 [[nodiscard]] Hold hold_of(const SurfacePoints& points, const LocalMap& map, const Pose2& map_from_robot);
 
 /// Whether a scan is held at its pose in a map: by its surfaces, or because no pose aside along the weakest direction
-/// agrees nearly as well. `hold` is that of the points.
-[[nodiscard]] bool holds(const Hold& hold, const LocalMap& map, const SurfacePoints& points,
-                         const Pose2& map_from_robot, const SlamParams& params);
+/// agrees nearly as well: few surfaces then do so for sure (the end of a long corridor).
+[[nodiscard]] bool holds(const Hold& hold, const SlamParams& params);
 
 }  // namespace flirt

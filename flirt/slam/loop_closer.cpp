@@ -153,13 +153,14 @@ std::vector<Closure> LoopCloser::closures(std::span<const Found> agreeing, std::
   return found;
 }
 
-/// Whether the graph may well be off by what was found, after the way since the last closure.
-bool LoopCloser::is_likely(const Found& found, std::span<const Pose2> map_from_node) const {
+/// By how much the graph is off if the place found is right, beside what the way since the last closure explains.
+LoopCloser::Surprise LoopCloser::surprise(const Found& found, std::span<const Pose2> map_from_node) const {
   const double since = travel_.back() - last_closure_;
   const Pose2 off = inverse(map_from_node[found.node]) * found.map_from_robot;
   const double translation =
       params_.loop_drift + params_.loop_drift_growth * since + 3 * std::sqrt(unseen_);  // three deviations
-  return norm(off.translation()) <= translation;
+  const double rotation = params_.loop_turn + params_.loop_turn_drift_growth * since + 3 * std::sqrt(unseen_turn_);
+  return {norm(off.translation()) / translation, std::abs(off.theta) / rotation};
 }
 
 /// Whether places that agree were found over so long a way that a room's twin would have been left.
@@ -187,15 +188,16 @@ std::vector<Closure> LoopCloser::near(std::span<const SlamScan> scans, std::span
   if (!gather(scans, map_from_node, map_from_node[node], sight + extent)) { return {}; }
   std::optional<Found> found = search(query, node, map_from_node[node], extent, turn);
   if (!found) { return {}; }
+  const Surprise off = surprise(*found, map_from_node);
+  if (!off.is_possible()) { return {}; }
   add_nearest(*found);
   found->query = queries_;
   forget(waiting_, *found, map_from_node);
   const bool is_clear = found->margin >= params_.loop_clear_margin;
   const bool follows = !waiting_.empty() && waiting_.back().query + 1 == queries_;
-  const bool likely = is_likely(*found, map_from_node);
   waiting_.push_back(*std::move(found));
   std::span<const Found> agreeing = waiting_;
-  if (likely) {
+  if (off.is_likely()) {
     if (!is_clear && !follows) { return {}; }
     agreeing = agreeing.last(follows ? 2 : 1);
   } else if (!is_sure(agreeing)) {
@@ -225,7 +227,7 @@ std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::
   const std::optional<FoundPlace> place = places_.find(scans[node].scan);
   if (!place || !gather(scans, map_from_node, place->map_from_robot, sight)) { return {}; }
   std::optional<Found> found = search(query, node, place->map_from_robot, extent, turn);
-  if (!found) { return {}; }
+  if (!found || !surprise(*found, map_from_node).is_possible()) { return {}; }
   found->source = ClosureSource::anywhere;
   add_nearest(*found);
   forget(waiting_anywhere_, *found, map_from_node);
@@ -238,7 +240,8 @@ std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::
 
 /// The way to the newest node, and how much of it was not seen well.
 void LoopCloser::measure_way(const PoseGraph& graph) {
-  constexpr double seen_well = 0.05;  // m, deviation; the drift of such motions grows with the way
+  constexpr double seen_well = 0.05;       // m, deviation; the drift of such motions grows with the way
+  constexpr double seen = 0.15;            // m, that of motions that a query may span
   const std::size_t node = graph.map_from_node.size() - 1;
   if (node == 0) {
     travel_.push_back(0);
@@ -247,12 +250,13 @@ void LoopCloser::measure_way(const PoseGraph& graph) {
   travel_.push_back(travel_.back() + distance(graph.map_from_node[node - 1], graph.map_from_node[node]));
   for (auto edge = graph.edges.rbegin(); edge != graph.edges.rend() && edge->b == node; ++edge) {
     if (edge->a + 1 != node) { continue; }
-    const Eigen::Matrix2d covariance = edge->information.inverse().topLeftCorner<2, 2>();
-    const double variance = covariance.trace();  // of one direction, where only that was not seen
+    const Eigen::Matrix3d covariance = edge->information.inverse();
+    const double variance = covariance.topLeftCorner<2, 2>().trace();  // of one direction, where only that was not seen
     if (variance > seen_well * seen_well) {
       unseen_ += variance;
-      last_unseen_ = node;
+      unseen_turn_ += covariance(2, 2);
     }
+    if (variance > seen * seen) { last_unseen_ = node; }
     break;
   }
 }
@@ -272,6 +276,7 @@ std::vector<Closure> LoopCloser::add(std::span<const SlamScan> scans, const Pose
   if (!found.empty()) {
     last_closure_ = travel_.back();
     unseen_ = 0;
+    unseen_turn_ = 0;
     waiting_.clear();
     waiting_anywhere_.clear();
   }

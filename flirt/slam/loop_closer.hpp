@@ -9,6 +9,7 @@
 #include "flirt/slam/slam_params.hpp"
 #include "flirt/slam/slam_scan.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -46,6 +47,14 @@ class LoopCloser {
     std::size_t query{0};  ///< number of the query
     ClosureSource source{ClosureSource::near};
   };
+  /// How far the graph would have to be off, in parts of what is likely.
+  struct Surprise {
+    double translation{0};
+    double rotation{0};
+    [[nodiscard]] double largest() const { return std::max(translation, rotation); }
+    [[nodiscard]] bool is_likely() const { return largest() <= 1; }
+    [[nodiscard]] bool is_possible() const { return largest() <= 4; }
+  };
 
   [[nodiscard]] std::vector<SurfacePoints> query_scans(std::span<const SlamScan> scans,
                                                        std::span<const Pose2> map_from_node) const;
@@ -60,7 +69,7 @@ class LoopCloser {
   [[nodiscard]] std::vector<Closure> anywhere(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node,
                                               std::span<const SurfacePoints> query);
   void measure_way(const PoseGraph& graph);
-  [[nodiscard]] bool is_likely(const Found& found, std::span<const Pose2> map_from_node) const;
+  [[nodiscard]] Surprise surprise(const Found& found, std::span<const Pose2> map_from_node) const;
   [[nodiscard]] bool is_sure(std::span<const Found> agreeing) const;
   void forget(std::vector<Found>& waiting, const Found& newest, std::span<const Pose2> map_from_node) const;
   [[nodiscard]] std::vector<Closure> closures(std::span<const Found> agreeing,
@@ -74,7 +83,8 @@ class LoopCloser {
   double last_query_{0};          ///< m of travel
   double last_closure_{0};        ///< m of travel
   double unseen_{0};              ///< m², variance of the motions since the last closure that were not seen well
-  std::size_t last_unseen_{0};  ///< node of the last motion that was not seen well; scans before it do not move with it
+  double unseen_turn_{0};         ///< rad², the same of their turns
+  std::size_t last_unseen_{0};  ///< node of the last motion that was not seen; scans before it do not move with it
   std::size_t queries_{0};      ///< so far
   std::vector<Found> waiting_{};  ///< places found near the pose in the graph, not yet believed; they agree
   GlobalPlaces places_{};

@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t fewest_points = 15;  // of a scan that can be placed at all
 constexpr double fewest_known = 8;         // of its points, by their weights, must lie on known surfaces
 constexpr std::uint32_t most_blind = 3;    // scans in a row without a believable pose
+constexpr double well_held = 5;            // score by which a pose leads where odometry is compared with it
 constexpr double other_way = 0.3;          // rad, between poses that look in different directions
 
 /// Metres plus half a metre a radian: turning shows new things, too.
@@ -22,27 +23,39 @@ double way(const Pose2& motion) {
 
 }  // namespace
 
+/// Score lost by leaving the prediction. Odometry's own deviation counts as in Student's distribution with three degrees
+/// of freedom: wheels may slip.
+double ScanFrontEnd::surprise(const Prediction& prediction, const Pose2& local_from_robot) const {
+  constexpr double odometry_weight = 0.3;
+  const Pose2 off = inverse(prediction.local_from_robot) * local_from_robot;
+  const double way = norm(off.translation());
+  const double deviations = prediction.odometry ? way / *prediction.odometry : 0;
+  return params_.surprise_translation * way + params_.surprise_rotation * std::abs(off.theta) +
+         odometry_weight * std::log1p(deviations * deviations / 3);
+}
+
 ScanFrontEnd::Judged ScanFrontEnd::judge(const SurfacePoints& points, const Pose2& start,
-                                         const Pose2& prediction) const {
+                                         const Prediction& prediction) const {
   // Holds directions in which nothing is known: as much as two points would.
   const AlignmentPrior stay{start, Eigen::Vector3d(2, 2, 2).asDiagonal()};
   const std::span<const SurfacePoints> scan(&points, 1);
   const AlignedPose aligned = align_to_map(map_, scan, start, stay);
-  const Pose2 off = inverse(prediction) * aligned.map_from_robot;
   const Agreed agreed = map_.agreement(scan, aligned.map_from_robot);
   const double known = std::max(0.05, 1 - agreed.unknown);
   const double score = score_of(agreed);
-  const double surprise =
-      params_.surprise_translation * norm(off.translation()) + params_.surprise_rotation * std::abs(off.theta);
+  const double lost = surprise(prediction, aligned.map_from_robot);
   const double quality = (score - agreed.unknown) / known;
-  return {aligned.map_from_robot, aligned.terms, score - surprise, quality, quality - surprise};
+  return {aligned.map_from_robot, aligned.terms, score - lost, quality, quality - lost};
 }
 
-std::vector<ScanFrontEnd::Judged> ScanFrontEnd::search(const SurfacePoints& points, const Pose2& prediction,
+std::vector<ScanFrontEnd::Judged> ScanFrontEnd::search(const SurfacePoints& points, const Prediction& prediction,
                                                        double extent, double turn) const {
   constexpr double keep = 0.85;  // of the best value, else a candidate is not refined
-  const SearchWindow window{
-      .map_from_robot = prediction, .half_extent = extent, .half_turn = turn, .candidates = 4, .keep = keep};
+  const SearchWindow window{.map_from_robot = prediction.local_from_robot,
+                            .half_extent = extent,
+                            .half_turn = turn,
+                            .candidates = 4,
+                            .keep = keep};
   const std::vector<WindowPose> candidates = search_window(map_, std::span(&points, 1), window);
   std::vector<Judged> judged;
   for (const WindowPose& candidate : candidates) {
@@ -59,7 +72,7 @@ void ScanFrontEnd::extract_keypoints(SlamScan& scan) {
 }
 
 /// The poses that the keypoints of the last scans give.
-std::vector<ScanFrontEnd::Judged> ScanFrontEnd::match_keypoints(const SlamScan& scan, const Pose2& prediction) {
+std::vector<ScanFrontEnd::Judged> ScanFrontEnd::match_keypoints(const SlamScan& scan, const Prediction& prediction) {
   constexpr std::size_t most = 6;  // scans
   std::vector<Judged> judged;
   if (params_.front_end != FrontEndKind::automatic) { return judged; }
@@ -104,9 +117,9 @@ std::optional<Pose2> ScanFrontEnd::rival(std::span<const Judged> tried, const Ju
   return rival;
 }
 
-ScanFrontEnd::Placed ScanFrontEnd::place(const SlamScan& scan, const Pose2& prediction) {
-  const bool odometry = reckoning_.uses_odometry(scan);
-  std::vector<Judged> tried{judge(scan.points, prediction, prediction)};
+ScanFrontEnd::Placed ScanFrontEnd::place(const SlamScan& scan, const Prediction& prediction) {
+  const bool odometry = prediction.odometry.has_value();
+  std::vector<Judged> tried{judge(scan.points, prediction.local_from_robot, prediction)};
   std::size_t best = 0;
   MotionSource source = MotionSource::narrow;
   const auto consider = [&](const std::vector<Judged>& others, MotionSource from) {
@@ -181,10 +194,11 @@ void ScanFrontEnd::remember(const SlamScan& scan, const Pose2& local_from_robot)
 
 /// Deviations of a motion where the scan does not tell, m and rad. Odometry is never off by much; the motion before, if
 /// that is all there is, by as far as a motion can be searched for.
-Eigen::Vector3d ScanFrontEnd::unmeasured(const ScanMotion& motion, const SlamScan& scan) const {
+Eigen::Vector3d ScanFrontEnd::unmeasured(const ScanMotion& motion, const Prediction& prediction) const {
   constexpr double rotation = 1;  // rad
-  if (motion.source != MotionSource::prediction || reckoning_.uses_odometry(scan)) {
-    return {params_.floor_translation, params_.floor_translation, params_.floor_rotation};
+  if (motion.source != MotionSource::prediction || prediction.odometry) {
+    const double translation = prediction.odometry.value_or(params_.floor_translation);
+    return {translation, translation, params_.floor_rotation};
   }
   const double translation = 0.5 * wide_extent();  // two deviations
   return {translation, translation, rotation};
@@ -208,15 +222,45 @@ void ScanFrontEnd::forget_direction(Judged& found, Point2 direction) {
   found.terms.information = rest * found.terms.information * rest;
 }
 
+/// Moves what was found along a direction, frame of the robot, by a share of the way to another pose.
+void ScanFrontEnd::move_towards(const Pose2& other, Point2 direction_in_robot, double share, Judged& found) {
+  const Point2 direction = Pose2{0, 0, found.local_from_robot.theta} * direction_in_robot;
+  const double off = share * dot(direction, other.translation() - found.local_from_robot.translation());
+  found.local_from_robot.x += off * direction.x;
+  found.local_from_robot.y += off * direction.y;
+}
+
 /// Along a direction of which the scan says nothing the prediction stands. Not so where what the scan says is in doubt:
 /// then the prediction is no better.
 void ScanFrontEnd::give_up_direction(Judged& found, const Pose2& prediction, const Hold& hold) {
   forget_direction(found, hold.direction);
   if (hold.doubted) { return; }
-  const Point2 direction = Pose2{0, 0, found.local_from_robot.theta} * hold.direction;
-  const double off = dot(direction, prediction.translation() - found.local_from_robot.translation());
-  found.local_from_robot.x += off * direction.x;
-  found.local_from_robot.y += off * direction.y;
+  move_towards(prediction, hold.direction, 1, found);
+}
+
+ScanFrontEnd::Prediction ScanFrontEnd::predicted(const SlamScan& scan) const {
+  constexpr double least = 0.005;  // m
+  const Pose2 motion = reckoning_.motion(scan);
+  Prediction prediction{recent_.back() * motion, std::nullopt};
+  if (reckoning_.uses_odometry(scan)) {
+    prediction.odometry = std::clamp(odometry_error_.deviation(motion), least, params_.floor_translation);
+  }
+  return prediction;
+}
+
+/// Along the direction that holds the scan least, the surfaces claim more than they know: a corridor's few corners are
+/// seen by few beams, now here and now there. What odometry tells counts there by its own deviation.
+void ScanFrontEnd::weigh_direction(Judged& found, const Prediction& prediction, const Hold& hold) const {
+  constexpr double deviation_of_lead = 0.06;  // m, of a scan whose pose leads by a score of 1 over poses aside
+  if (!prediction.odometry) { return; }
+  const double seen = std::max(hold.lead, params_.unobservable_drop) / deviation_of_lead;  // inverse deviations
+  const double told = 1 / *prediction.odometry;
+  const Eigen::Vector3d d(hold.direction.x, hold.direction.y, 0);
+  const double weight = params_.range_sigma * params_.range_sigma * (seen * seen + told * told);
+  if (d.dot(found.terms.information * d) < weight) { return; }
+  forget_direction(found, hold.direction);
+  found.terms.information += weight * d * d.transpose();
+  move_towards(prediction.local_from_robot, hold.direction, told * told / (seen * seen + told * told), found);
 }
 
 /// Nothing counts as measured of which of two places it is. Returns by how much they differ, m and rad.
@@ -239,8 +283,8 @@ ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
     remember(scan, {params_.start_x, params_.start_y, params_.start_theta});
     return motion;
   }
-  const Pose2 prediction = recent_.back() * reckoning_.motion(scan);
-  Judged found{prediction, {}, -1e9};
+  const Prediction prediction = predicted(scan);
+  Judged found{prediction.local_from_robot, {}, -1e9};
   std::optional<Pose2> rival;
   motion.source = MotionSource::prediction;
   if (scan.points.size() >= fewest_points && map_.scans() > 0) {
@@ -251,21 +295,26 @@ ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
     if (best.quality >= params_.usable_score && known_points >= fewest_known) {
       found = best;
       motion.source = source;
-      if (!reckoning_.uses_odometry(scan)) { rival = other; }  // odometry tells them apart
+      if (!prediction.odometry) { rival = other; }  // odometry tells them apart
     }
   }
   const Hold hold = hold_of(scan.points, map_, found.local_from_robot);
-  Eigen::Vector3d floor = unmeasured(motion, scan);
+  Eigen::Vector3d floor = unmeasured(motion, prediction);
   if (rival) {
     motion.unobservable = true;
     floor = floor.cwiseMax(give_up_towards(*rival, found));
   } else if (motion.source == MotionSource::prediction ||
-             !holds(hold, map_, scan.points, found.local_from_robot, params_)) {
+             !holds(hold, params_)) {
     motion.unobservable = true;
-    give_up_direction(found, prediction, hold);
+    give_up_direction(found, prediction.local_from_robot, hold);
+  } else {
+    weigh_direction(found, prediction, hold);
   }
   seen_in_a_row_ = motion.unobservable ? 0 : seen_in_a_row_ + 1;
   add_relative(motion, found, floor);
+  if (prediction.odometry && !motion.unobservable && hold.lead >= well_held) {
+    odometry_error_.learn(reckoning_.motion(scan), inverse(recent_.back()) * found.local_from_robot);
+  }
   remember(scan, found.local_from_robot);
   blind_ = motion.source == MotionSource::prediction ? blind_ + 1 : 0;
   if (blind_ > 0) { reckoning_.forget_motion(); }

@@ -8,6 +8,7 @@
 #include "flirt/slam/dead_reckoning.hpp"
 #include "flirt/slam/front_end.hpp"
 #include "flirt/slam/hold.hpp"
+#include "flirt/slam/odometry_error.hpp"
 #include "flirt/slam/slam_params.hpp"
 #include "flirt/slam/slam_scan.hpp"
 
@@ -42,31 +43,41 @@ class ScanFrontEnd {
     double travel;
   };
 
-  [[nodiscard]] Judged judge(const SurfacePoints& points, const Pose2& start, const Pose2& prediction) const;
+  struct Prediction {
+    Pose2 local_from_robot;
+    std::optional<double> odometry;  ///< m, deviation of its translation, where it is odometry's
+  };
+
+  [[nodiscard]] Prediction predicted(const SlamScan& scan) const;
+  [[nodiscard]] double surprise(const Prediction& prediction, const Pose2& local_from_robot) const;
+  [[nodiscard]] Judged judge(const SurfacePoints& points, const Pose2& start, const Prediction& prediction) const;
   struct Placed {
     Judged best;
     MotionSource source;
     std::optional<Pose2> rival;
   };
   [[nodiscard]] std::optional<Pose2> rival(std::span<const Judged> tried, const Judged& best) const;
-  [[nodiscard]] std::vector<Judged> search(const SurfacePoints& points, const Pose2& prediction, double extent,
+  [[nodiscard]] std::vector<Judged> search(const SurfacePoints& points, const Prediction& prediction, double extent,
                                            double turn) const;
 
   void extract_keypoints(SlamScan& scan);
-  [[nodiscard]] std::vector<Judged> match_keypoints(const SlamScan& scan, const Pose2& prediction);
+  [[nodiscard]] std::vector<Judged> match_keypoints(const SlamScan& scan, const Prediction& prediction);
   [[nodiscard]] double wide_extent() const;
-  [[nodiscard]] Placed place(const SlamScan& scan, const Pose2& prediction);
+  [[nodiscard]] Placed place(const SlamScan& scan, const Prediction& prediction);
   void remember(const SlamScan& scan, const Pose2& local_from_robot);
   void restart(const SlamScan& scan, const Pose2& local_from_robot);
   void add_to_map(const SlamScan& scan, const Pose2& local_from_robot);
   static void forget_direction(Judged& found, Point2 direction);
+  static void move_towards(const Pose2& other, Point2 direction_in_robot, double share, Judged& found);
   static void give_up_direction(Judged& found, const Pose2& prediction, const Hold& hold);
+  void weigh_direction(Judged& found, const Prediction& prediction, const Hold& hold) const;
   static Eigen::Vector3d give_up_towards(const Pose2& rival, Judged& found);
-  [[nodiscard]] Eigen::Vector3d unmeasured(const ScanMotion& motion, const SlamScan& scan) const;
+  [[nodiscard]] Eigen::Vector3d unmeasured(const ScanMotion& motion, const Prediction& prediction) const;
   void add_relative(ScanMotion& motion, const Judged& found, const Eigen::Vector3d& floor) const;
 
   SlamParams params_;
   DeadReckoning reckoning_;
+  OdometryError odometry_error_{};
   LocalMap map_{};
   std::deque<MapScan> map_scans_{};
   FeatureExtractor extractor_{};

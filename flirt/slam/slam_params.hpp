@@ -87,6 +87,7 @@ struct SlamParams {
   std::uint32_t loop_points{100};     ///< least number of points of a query
   double loop_drift{0.3};             ///< m that the graph may well be off where it was just closed, and
   double loop_drift_growth{0.02};     ///< m per m of travel since the last closure; if it is off by more,
+  double loop_turn_drift_growth{0.0005};  ///< rad per m, the same beside `loop_turn`
   double loop_sure_travel{6};         ///< m of travel over which the same displacement has to be found
   double global_after{30};            ///< m of travel without closure, some of it unseen, until the map is searched
   double global_every{6};             ///< m of travel between such searches, but only
@@ -154,6 +155,8 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.loop_points, Field{"loop_points", "", "least number of points of a query", 1, 100000});
   visit(params.loop_drift, Field{"loop_drift", "m", "the graph may well be off by", 0, 100});
   visit(params.loop_drift_growth, Field{"loop_drift_growth", "1", "its growth since the last closure", 0, 1});
+  visit(params.loop_turn_drift_growth,
+        Field{"loop_turn_drift_growth", "rad/m", "the same of the heading, beside loop_turn", 0, 1});
   visit(params.loop_sure_travel,
         Field{"loop_sure_travel", "m", "travel that shows a larger displacement all along", 0, 1000});
   visit(params.global_after,

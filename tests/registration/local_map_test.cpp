@@ -197,5 +197,35 @@ TEST(SurfacePoints, HaveNormalsTowardsTheSensorAndAscendingBearings) {
   EXPECT_GT(with_normal, points.size() / 2);
 }
 
+/// Ranges of 180 beams, a degree apart, down a corridor of 2.4 m.
+Scan down_a_corridor() {
+  Scan scan;
+  scan.beams = {radians_from_degrees(-90), radians_from_degrees(1), 0.05, 80};
+  for (int degree = -90; degree < 90; ++degree) {
+    const double across = std::abs(std::sin(radians_from_degrees(degree)));
+    scan.ranges.push_back(across > 0.05 ? 1.2 / across : 100.0);
+  }
+  return scan;
+}
+
+TEST(SurfacePoints, OfAWallAtAGrazingAngleHaveItsNormal) {
+  const SurfacePoints points = surface_points(down_a_corridor());
+  std::size_t far = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points.x[i] > 6) { continue; }  // there the next point is more than a metre away
+    EXPECT_GT(std::abs(points.normal_y[i]), 0.999) << points.x[i];
+    far += points.x[i] > 4 ? 1 : 0;
+  }
+  EXPECT_GE(far, 6U);
+}
+
+TEST(SurfacePoints, LonePointsHaveNoNormal) {
+  Scan scan = down_a_corridor();
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) { scan.ranges[i] = i % 2 == 0 ? 6 : 5.5; }
+  const SurfacePoints points = surface_points(scan);
+  ASSERT_GT(points.size(), 100U);
+  for (std::size_t i = 0; i < points.size(); ++i) { EXPECT_EQ(points.normal_x[i], 0) << i; }
+}
+
 }  // namespace
 }  // namespace flirt
