@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace flirt {
 namespace {
 
 constexpr double sight = 6;  // m from the robot within which earlier scans are gathered
+constexpr double most_surprise = 4;  // parts of the likely drift that no evidence makes up for
 constexpr double distinct_distance = 0.5;
 const double distinct_heading = radians_from_degrees(10);
 
@@ -153,14 +155,27 @@ std::vector<Closure> LoopCloser::closures(std::span<const Found> agreeing, std::
   return found;
 }
 
-/// By how much the graph is off if the place found is right, beside what the way since the last closure explains.
-LoopCloser::Surprise LoopCloser::surprise(const Found& found, std::span<const Pose2> map_from_node) const {
+/// By how much the graph may well be off after the way since the last closure, m and rad.
+LoopCloser::Drift LoopCloser::likely_drift() const {
   const double since = travel_.back() - last_closure_;
+  constexpr double deviations = 3;
+  return {params_.loop_drift + params_.loop_drift_growth * since + deviations * std::sqrt(unseen_),
+          params_.loop_turn + params_.loop_turn_drift_growth * since + deviations * std::sqrt(unseen_turn_)};
+}
+
+/// How far around the pose in the graph earlier visits are looked for, m and rad.
+LoopCloser::Drift LoopCloser::window() const {
+  const double since = travel_.back() - last_closure_;
+  return {std::min(params_.loop_extent + params_.loop_extent_growth * since, params_.loop_extent_most),
+          std::min({params_.loop_turn + params_.loop_turn_growth * since, most_surprise * likely_drift().rotation,
+                    std::numbers::pi})};
+}
+
+/// By how much the graph is off if the place found is right, in parts of what is likely.
+double LoopCloser::surprise(const Found& found, std::span<const Pose2> map_from_node) const {
+  const Drift likely = likely_drift();
   const Pose2 off = inverse(map_from_node[found.node]) * found.map_from_robot;
-  const double translation =
-      params_.loop_drift + params_.loop_drift_growth * since + 3 * std::sqrt(unseen_);  // three deviations
-  const double rotation = params_.loop_turn + params_.loop_turn_drift_growth * since + 3 * std::sqrt(unseen_turn_);
-  return {norm(off.translation()) / translation, std::abs(off.theta) / rotation};
+  return std::max(norm(off.translation()) / likely.translation, std::abs(off.theta) / likely.rotation);
 }
 
 /// Whether places that agree were found over so long a way that a room's twin would have been left.
@@ -182,14 +197,12 @@ void LoopCloser::forget(std::vector<Found>& waiting, const Found& newest, std::s
 std::vector<Closure> LoopCloser::near(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node,
                                       std::span<const SurfacePoints> query) {
   const std::size_t node = scans.size() - 1;
-  const double since = travel_.back() - last_closure_;
-  const double extent = std::min(params_.loop_extent + params_.loop_extent_growth * since, params_.loop_extent_most);
-  const double turn = std::min(params_.loop_turn + params_.loop_turn_growth * since, params_.loop_turn_most);
-  if (!gather(scans, map_from_node, map_from_node[node], sight + extent)) { return {}; }
-  std::optional<Found> found = search(query, node, map_from_node[node], extent, turn);
+  const Drift reach = window();
+  if (!gather(scans, map_from_node, map_from_node[node], sight + reach.translation)) { return {}; }
+  std::optional<Found> found = search(query, node, map_from_node[node], reach.translation, reach.rotation);
   if (!found) { return {}; }
-  const Surprise off = surprise(*found, map_from_node);
-  if (!off.is_possible()) { return {}; }
+  const double surprising = surprise(*found, map_from_node);
+  if (surprising > most_surprise) { return {}; }
   add_nearest(*found);
   found->query = queries_;
   forget(waiting_, *found, map_from_node);
@@ -197,7 +210,7 @@ std::vector<Closure> LoopCloser::near(std::span<const SlamScan> scans, std::span
   const bool follows = !waiting_.empty() && waiting_.back().query + 1 == queries_;
   waiting_.push_back(*std::move(found));
   std::span<const Found> agreeing = waiting_;
-  if (off.is_likely()) {
+  if (surprising <= 1) {
     if (!is_clear && !follows) { return {}; }
     agreeing = agreeing.last(follows ? 2 : 1);
   } else if (!is_sure(agreeing)) {
@@ -217,9 +230,12 @@ std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::
   const std::size_t node = scans.size() - 1;
   const double travel = travel_.back();
   const double every = waiting_anywhere_.empty() ? params_.global_every : params_.global_agree_travel;
-  // Where all motions were seen the window around the pose in the graph holds the right place, and what lies outside it
-  // is a corridor's or a room's twin.
-  if (unseen_ == 0 || travel - last_closure_ < params_.global_after || travel - last_search_ < every) { return {}; }
+  // Where the window around the pose in the graph holds all that is likely, what lies outside it is a corridor's or a
+  // room's twin.
+  const Drift likely = likely_drift();
+  const Drift reach = window();
+  const bool is_in_window = likely.translation <= reach.translation && likely.rotation <= reach.rotation;
+  if (unseen_ == 0 || is_in_window || travel - last_closure_ < params_.global_after || travel - last_search_ < every) { return {}; }
   const auto first_recent = std::ranges::upper_bound(travel_, travel - params_.global_min_travel);
   const auto earlier = static_cast<std::size_t>(first_recent - travel_.begin());
   if (!places_.update(scans, map_from_node, earlier, most_placed)) { return {}; }  // the rest when asked next
@@ -227,7 +243,7 @@ std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::
   const std::optional<FoundPlace> place = places_.find(scans[node].scan);
   if (!place || !gather(scans, map_from_node, place->map_from_robot, sight)) { return {}; }
   std::optional<Found> found = search(query, node, place->map_from_robot, extent, turn);
-  if (!found || !surprise(*found, map_from_node).is_possible()) { return {}; }
+  if (!found || surprise(*found, map_from_node) > most_surprise) { return {}; }
   found->source = ClosureSource::anywhere;
   add_nearest(*found);
   forget(waiting_anywhere_, *found, map_from_node);

@@ -9,7 +9,6 @@
 #include "flirt/slam/slam_params.hpp"
 #include "flirt/slam/slam_scan.hpp"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -47,13 +46,9 @@ class LoopCloser {
     std::size_t query{0};  ///< number of the query
     ClosureSource source{ClosureSource::near};
   };
-  /// How far the graph would have to be off, in parts of what is likely.
-  struct Surprise {
-    double translation{0};
-    double rotation{0};
-    [[nodiscard]] double largest() const { return std::max(translation, rotation); }
-    [[nodiscard]] bool is_likely() const { return largest() <= 1; }
-    [[nodiscard]] bool is_possible() const { return largest() <= 4; }
+  struct Drift {
+    double translation;
+    double rotation;
   };
 
   [[nodiscard]] std::vector<SurfacePoints> query_scans(std::span<const SlamScan> scans,
@@ -69,7 +64,9 @@ class LoopCloser {
   [[nodiscard]] std::vector<Closure> anywhere(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node,
                                               std::span<const SurfacePoints> query);
   void measure_way(const PoseGraph& graph);
-  [[nodiscard]] Surprise surprise(const Found& found, std::span<const Pose2> map_from_node) const;
+  [[nodiscard]] Drift likely_drift() const;
+  [[nodiscard]] Drift window() const;
+  [[nodiscard]] double surprise(const Found& found, std::span<const Pose2> map_from_node) const;
   [[nodiscard]] bool is_sure(std::span<const Found> agreeing) const;
   void forget(std::vector<Found>& waiting, const Found& newest, std::span<const Pose2> map_from_node) const;
   [[nodiscard]] std::vector<Closure> closures(std::span<const Found> agreeing,

@@ -79,7 +79,6 @@ struct SlamParams {
   double loop_turn{0.105};            ///< rad, half width of the search, and
   double loop_turn_growth{0.005};     ///< rad per m
   double loop_extent_most{8};         ///< m, half width of the search at most
-  double loop_turn_most{3.1416};      ///< rad, the same for the heading
   double loop_score{8.5};             ///< least score of a closure
   double loop_margin{2};              ///< least lead of its score over a second pose
   double loop_clear_margin{6};        ///< a lead that needs no second query to agree
@@ -147,7 +146,6 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.loop_turn, Field{"loop_turn", "rad", "half width of the search for closures", 0.02, 3.2});
   visit(params.loop_turn_growth, Field{"loop_turn_growth", "rad/m", "its growth since the last closure", 0, 1});
   visit(params.loop_extent_most, Field{"loop_extent_most", "m", "half width of that search at most", 0.1, 20});
-  visit(params.loop_turn_most, Field{"loop_turn_most", "rad", "half width of that search at most", 0.02, 3.2});
   visit(params.loop_score, Field{"loop_score", "", "least score of a closure", -50, 50});
   visit(params.loop_margin, Field{"loop_margin", "", "least lead of its score over a second pose", 0, 50});
   visit(params.loop_clear_margin, Field{"loop_clear_margin", "", "a lead that needs no second query", 0, 50});
