@@ -6,6 +6,7 @@
 #include "flirt/io/floor_plan.hpp"
 #include "flirt/io/svg.hpp"
 #include "flirt/io/tum.hpp"
+#include "flirt/sim/corridors.hpp"
 #include "flirt/sim/office.hpp"
 #include "flirt/sim/station.hpp"
 
@@ -51,6 +52,7 @@ struct SimulateOptions {
   std::string svg;
   std::optional<std::size_t> svg_scan;
   OfficeParams office;
+  CorridorParams corridors;
   TunnelParams tunnel;
   StationParams station;
   SimulateParams simulate;
@@ -59,9 +61,11 @@ struct SimulateOptions {
 };
 
 World world_of(const SimulateOptions& options) {
-  const bool made_up = options.plan == "office" || options.plan == "tunnel" || options.plan == "station";
+  const bool made_up = options.plan == "office" || options.plan == "corridors" || options.plan == "tunnel" ||
+                       options.plan == "station";
   if (made_up && options.resolution) { throw UsageError("--resolution: expected only with an image as --plan"); }
   if (options.plan == "office") { return make_office(options.office); }
+  if (options.plan == "corridors") { return make_corridors(options.corridors); }
   if (options.plan == "tunnel") { return make_tunnel(options.tunnel); }
   if (options.plan == "station") { return make_station(options.station); }
   return {value_or_quit(read_floor_plan(options.plan, options.resolution)), {}, {}};
@@ -197,7 +201,7 @@ void add_simulate(CLI::App& program, Session& session) {
   command->add_option("--truth", options->truth, "file for the true poses, TUM format (default: LOG.truth.tum)");
   command
       ->add_option("--plan", options->plan,
-                   "office, tunnel or station (made up), or FILE.txt of segments x1,y1,x2,y2, or a grid map's "
+                   "office, corridors, tunnel or station (made up), or FILE.txt of segments x1,y1,x2,y2, or a grid map's "
                    "FILE.yaml, or an image")
       ->capture_default_str();
   command->add_option("--resolution", options->resolution, "m per pixel of an image without YAML");
@@ -206,6 +210,7 @@ void add_simulate(CLI::App& program, Session& session) {
   command->add_option("--svg", options->svg, "picture of the plan and the way");
   command->add_option("--svg-scan", options->svg_scan, "draw this scan, and the plan around it");
   options->params.add(*command, "office", options->office);
+  options->params.add(*command, "corridors", options->corridors);
   options->params.add(*command, "tunnel", options->tunnel);
   options->params.add(*command, "station", options->station);
   options->params.add(*command, "lidar", options->simulate.lidar);

@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <span>
+#include <vector>
 
 namespace flirt {
 namespace {
@@ -38,17 +40,17 @@ SurfacePoints without_grazed(const SurfacePoints& points) {
   return kept;
 }
 
-double lead_over_aside(const LocalMap& map, const SurfacePoints& points, const Pose2& map_from_robot,
+double lead_over_aside(const LocalMap& map, std::span<const SurfacePoints> scans, const Pose2& map_from_robot,
                        Point2 direction_in_robot) {
   constexpr double aside = 0.3;  // m
-  const SurfacePoints telling = without_grazed(points);
-  const std::span<const SurfacePoints> scan(&telling, 1);
+  std::vector<SurfacePoints> telling;
+  std::ranges::transform(scans, std::back_inserter(telling), without_grazed);
   double best = -1e9;
   for (const double step : {-aside, aside}) {
     const Pose2 there = map_from_robot * Pose2{step * direction_in_robot.x, step * direction_in_robot.y, 0};
-    best = std::max(best, score_of(map.agreement(scan, there)));
+    best = std::max(best, score_of(map.agreement(telling, there)));
   }
-  return score_of(map.agreement(scan, map_from_robot)) - best;
+  return score_of(map.agreement(telling, map_from_robot)) - best;
 }
 
 /// Σ JᵀJ of distances from surfaces over a motion of the robot in its own frame.
@@ -103,25 +105,40 @@ Hold hold_of(const SurfacePoints& points) {
   return information.weakest();
 }
 
-Hold hold_of(const SurfacePoints& points, const LocalMap& map, const Pose2& map_from_robot) {
+Hold hold_of(std::span<const SurfacePoints> scans, const LocalMap& map, const Pose2& map_from_robot) {
   const Pose2 turn{0, 0, map_from_robot.theta};
   Information agreeing;
   Information contradicting;
   Information standing;  // all that does not contradict
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!has_surface(points, i)) { continue; }
-    const Point2 in_map = map_from_robot * Point2{points.x[i], points.y[i]};
-    const bool is_free = map.is_free(in_map);  // also where somebody stood for a moment
-    const bool is_in_the_open = is_free && map.line_at(in_map) == nullptr;
-    if (!is_free && lies_on_surface(map, in_map, turn * Point2{points.normal_x[i], points.normal_y[i]})) {
-      agreeing.add(points, i);
+  for (const SurfacePoints& points : scans) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!has_surface(points, i)) { continue; }
+      const Point2 in_map = map_from_robot * Point2{points.x[i], points.y[i]};
+      const bool is_free = map.is_free(in_map);  // also where somebody stood for a moment
+      const bool is_in_the_open = is_free && map.line_at(in_map) == nullptr;
+      if (!is_free && lies_on_surface(map, in_map, turn * Point2{points.normal_x[i], points.normal_y[i]})) {
+        agreeing.add(points, i);
+      }
+      (is_in_the_open ? contradicting : standing).add(points, i);
     }
-    (is_in_the_open ? contradicting : standing).add(points, i);
   }
   Hold hold = standing.weakest();
-  hold.lead = lead_over_aside(map, points, map_from_robot, hold.direction);
+  hold.lead = lead_over_aside(map, scans, map_from_robot, hold.direction);
   hold.doubted = contradicting.along(hold.direction) > agreeing.along(hold.direction);
   return hold;
+}
+
+bool know_at_most(double information, Point2 direction, Eigen::Matrix3d& known) {
+  const Eigen::Vector3d d(direction.x, direction.y, 0);
+  if (d.dot(known * d) <= information) { return false; }
+  const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - d * d.transpose();
+  known = rest * known * rest + information * d * d.transpose();
+  return true;
+}
+
+double inverse_deviation(const Hold& hold, const SlamParams& params) {
+  constexpr double deviation_of_lead = 0.06;  // m, of a scan whose pose leads by a score of 1
+  return std::max(hold.lead, params.unobservable_drop) / deviation_of_lead;
 }
 
 bool holds(const Hold& hold, const SlamParams& params) {

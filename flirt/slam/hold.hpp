@@ -6,6 +6,10 @@
 #include "flirt/registration/surface_points.hpp"
 #include "flirt/slam/slam_params.hpp"
 
+#include <Eigen/Core>
+
+#include <span>
+
 namespace flirt {
 
 struct Hold {
@@ -19,10 +23,17 @@ struct Hold {
 [[nodiscard]] Hold hold_of(const SurfacePoints& points);
 
 /// Without the surfaces that stand where beams passed before: people walk about.
-[[nodiscard]] Hold hold_of(const SurfacePoints& points, const LocalMap& map, const Pose2& map_from_robot);
+[[nodiscard]] Hold hold_of(std::span<const SurfacePoints> scans, const LocalMap& map, const Pose2& map_from_robot);
 
 /// Whether a scan is held at its pose in a map: by its surfaces, or because no pose aside along the weakest direction
 /// agrees nearly as well: few surfaces then do so for sure (the end of a long corridor).
 [[nodiscard]] bool holds(const Hold& hold, const SlamParams& params);
+
+/// 1/m, of a pose along the direction of `hold`, by its lead: the surfaces themselves claim more than they know, since a
+/// corridor's few corners are seen by few beams, now here and now there.
+[[nodiscard]] double inverse_deviation(const Hold& hold, const SlamParams& params);
+
+/// Takes back what is claimed to be known of a pose along a direction beyond `information`. False when it is not more.
+bool know_at_most(double information, Point2 direction, Eigen::Matrix3d& known);
 
 }  // namespace flirt

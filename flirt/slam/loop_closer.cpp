@@ -1,6 +1,7 @@
 #include "flirt/slam/loop_closer.hpp"
 
 #include "flirt/registration/window_search.hpp"
+#include "flirt/slam/hold.hpp"
 
 #include <Eigen/LU>
 
@@ -114,7 +115,13 @@ std::optional<LoopCloser::Found> LoopCloser::search(std::span<const SurfacePoint
   best.margin = best.score - second;
   const bool good =
       best.score >= params_.loop_score && best.margin >= params_.loop_margin && agreed.unknown <= params_.loop_unknown;
-  return good ? std::optional(best) : std::nullopt;
+  if (!good) { return std::nullopt; }
+  // Down a corridor the next candidate may lie far away, and all between look the same.
+  const Hold hold = hold_of(query, map_, best.map_from_robot);
+  if (hold.doubted || hold.lead < params_.loop_lead) { return std::nullopt; }
+  const double seen = params_.range_sigma * inverse_deviation(hold, params_);
+  know_at_most(seen * seen, hold.direction, best.information);
+  return best;
 }
 
 Closure LoopCloser::closure(const Found& found, std::span<const Pose2> map_from_node) const {
@@ -225,7 +232,7 @@ std::vector<Closure> LoopCloser::near(std::span<const SlamScan> scans, std::span
 std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node,
                                           std::span<const SurfacePoints> query) {
   constexpr double extent = 0.4;
-  constexpr std::size_t most_placed = 100;  // scans at once, so that none has to wait long
+  constexpr std::size_t most_placed = 40;  // scans at once, so that none has to wait long
   const double turn = radians_from_degrees(6);
   const std::size_t node = scans.size() - 1;
   const double travel = travel_.back();

@@ -108,7 +108,7 @@ std::size_t repair(PoseGraph& graph, std::span<const SlamScan> scans, std::span<
     if (!better) { continue; }
     // In a bare corridor another place along it may look better by chance.
     const SurfacePoints& points = scans[node].points;
-    if (!holds(hold_of(points, map, better->map_from_robot), params)) { continue; }
+    if (!holds(hold_of(std::span(&points, 1), map, better->map_from_robot), params)) { continue; }
     replace_edges(graph, node, std::span(near).first(edges), *better, params);
     graph.map_from_node[node] = better->map_from_robot;
     ++moved;

@@ -215,13 +215,6 @@ void ScanFrontEnd::add_relative(ScanMotion& motion, const Judged& found, const E
   }
 }
 
-/// Nothing counts as measured along a direction, frame of the robot.
-void ScanFrontEnd::forget_direction(Judged& found, Point2 direction) {
-  const Eigen::Vector3d d(direction.x, direction.y, 0);
-  const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - d * d.transpose();
-  found.terms.information = rest * found.terms.information * rest;
-}
-
 /// Moves what was found along a direction, frame of the robot, by a share of the way to another pose.
 void ScanFrontEnd::move_towards(const Pose2& other, Point2 direction_in_robot, double share, Judged& found) {
   const Point2 direction = Pose2{0, 0, found.local_from_robot.theta} * direction_in_robot;
@@ -233,7 +226,7 @@ void ScanFrontEnd::move_towards(const Pose2& other, Point2 direction_in_robot, d
 /// Along a direction of which the scan says nothing the prediction stands. Not so where what the scan says is in doubt:
 /// then the prediction is no better.
 void ScanFrontEnd::give_up_direction(Judged& found, const Pose2& prediction, const Hold& hold) {
-  forget_direction(found, hold.direction);
+  know_at_most(0, hold.direction, found.terms.information);
   if (hold.doubted) { return; }
   move_towards(prediction, hold.direction, 1, found);
 }
@@ -248,19 +241,15 @@ ScanFrontEnd::Prediction ScanFrontEnd::predicted(const SlamScan& scan) const {
   return prediction;
 }
 
-/// Along the direction that holds the scan least, the surfaces claim more than they know: a corridor's few corners are
-/// seen by few beams, now here and now there. What odometry tells counts there by its own deviation.
+/// Along the direction that holds the scan least, what odometry tells counts by its own deviation.
 void ScanFrontEnd::weigh_direction(Judged& found, const Prediction& prediction, const Hold& hold) const {
-  constexpr double deviation_of_lead = 0.06;  // m, of a scan whose pose leads by a score of 1 over poses aside
   if (!prediction.odometry) { return; }
-  const double seen = std::max(hold.lead, params_.unobservable_drop) / deviation_of_lead;  // inverse deviations
+  const double seen = inverse_deviation(hold, params_);
   const double told = 1 / *prediction.odometry;
-  const Eigen::Vector3d d(hold.direction.x, hold.direction.y, 0);
-  const double weight = params_.range_sigma * params_.range_sigma * (seen * seen + told * told);
-  if (d.dot(found.terms.information * d) < weight) { return; }
-  forget_direction(found, hold.direction);
-  found.terms.information += weight * d * d.transpose();
-  move_towards(prediction.local_from_robot, hold.direction, told * told / (seen * seen + told * told), found);
+  const double sum = seen * seen + told * told;
+  if (know_at_most(sum * params_.range_sigma * params_.range_sigma, hold.direction, found.terms.information)) {
+    move_towards(prediction.local_from_robot, hold.direction, told * told / sum, found);
+  }
 }
 
 /// Nothing counts as measured of which of two places it is. Returns by how much they differ, m and rad.
@@ -271,7 +260,7 @@ Eigen::Vector3d ScanFrontEnd::give_up_towards(const Pose2& rival, Judged& found)
   if (turn > other_way) {
     found.terms.information.setZero();
   } else {
-    forget_direction(found, {off.x / apart, off.y / apart});
+    know_at_most(0, {off.x / apart, off.y / apart}, found.terms.information);
   }
   return {apart, apart, turn};
 }
@@ -298,7 +287,7 @@ ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
       if (!prediction.odometry) { rival = other; }  // odometry tells them apart
     }
   }
-  const Hold hold = hold_of(scan.points, map_, found.local_from_robot);
+  const Hold hold = hold_of(std::span(&scan.points, 1), map_, found.local_from_robot);
   Eigen::Vector3d floor = unmeasured(motion, prediction);
   if (rival) {
     motion.unobservable = true;

@@ -67,7 +67,6 @@ class ScanFrontEnd {
   void remember(const SlamScan& scan, const Pose2& local_from_robot);
   void restart(const SlamScan& scan, const Pose2& local_from_robot);
   void add_to_map(const SlamScan& scan, const Pose2& local_from_robot);
-  static void forget_direction(Judged& found, Point2 direction);
   static void move_towards(const Pose2& other, Point2 direction_in_robot, double share, Judged& found);
   static void give_up_direction(Judged& found, const Pose2& prediction, const Hold& hold);
   void weigh_direction(Judged& found, const Prediction& prediction, const Hold& hold) const;

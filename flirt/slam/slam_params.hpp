@@ -81,6 +81,7 @@ struct SlamParams {
   double loop_extent_most{8};         ///< m, half width of the search at most
   double loop_score{8.5};             ///< least score of a closure
   double loop_margin{2};              ///< least lead of its score over a second pose
+  double loop_lead{1};                ///< least lead over poses 0.3 m aside in the direction that holds it least
   double loop_clear_margin{6};        ///< a lead that needs no second query to agree
   double loop_unknown{0.4};           ///< most of the points that may lie where nothing was seen
   std::uint32_t loop_points{100};     ///< least number of points of a query
@@ -148,6 +149,7 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.loop_extent_most, Field{"loop_extent_most", "m", "half width of that search at most", 0.1, 20});
   visit(params.loop_score, Field{"loop_score", "", "least score of a closure", -50, 50});
   visit(params.loop_margin, Field{"loop_margin", "", "least lead of its score over a second pose", 0, 50});
+  visit(params.loop_lead, Field{"loop_lead", "", "least lead of its score over poses 0.3 m aside", -50, 50});
   visit(params.loop_clear_margin, Field{"loop_clear_margin", "", "a lead that needs no second query", 0, 50});
   visit(params.loop_unknown, Field{"loop_unknown", "1", "most points where nothing was seen", 0, 1});
   visit(params.loop_points, Field{"loop_points", "", "least number of points of a query", 1, 100000});

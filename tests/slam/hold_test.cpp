@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <vector>
 
 namespace flirt {
@@ -43,10 +44,10 @@ TEST(Hold, TheEndOfACorridorHoldsAlongIt) {
   LocalMap map;
   for (const double x : {0.0, 0.3, 0.6}) { map.add(seen_from_corridor(x, end), {x, 0, 0}); }
   const SurfacePoints points = seen_from_corridor(0.9, end);
-  const Hold hold = hold_of(points, map, {0.9, 0, 0});
+  const Hold hold = hold_of(std::span(&points, 1), map, {0.9, 0, 0});
   EXPECT_GT(hold.weakest, SlamParams{}.unobservable_share);
   EXPECT_FALSE(hold.doubted);
-  EXPECT_TRUE(holds(hold, map, points, {0.9, 0, 0}, {}));
+  EXPECT_TRUE(holds(hold, {}));
 }
 
 TEST(Hold, WhoeverStandsHoldsButWhoeverWalksOnDoesNot) {
@@ -57,15 +58,15 @@ TEST(Hold, WhoeverStandsHoldsButWhoeverWalksOnDoesNot) {
   }
   const Pose2 here{1.2, 0, 0};
   const SurfacePoints stood = seen_from_corridor(here.x, {{3.5}});
-  EXPECT_TRUE(holds(hold_of(stood, map, here), map, stood, here, {}));
+  EXPECT_TRUE(holds(hold_of(std::span(&stood, 1), map, here), {}));
   const SurfacePoints came_near = seen_from_corridor(here.x, {{2.6}});
-  EXPECT_TRUE(hold_of(came_near, map, here).doubted);
-  EXPECT_FALSE(holds(hold_of(came_near, map, here), map, came_near, here, {}));
+  EXPECT_TRUE(hold_of(std::span(&came_near, 1), map, here).doubted);
+  EXPECT_FALSE(holds(hold_of(std::span(&came_near, 1), map, here), {}));
 }
 
 TEST(Hold, WithoutAnySurfaceNothingHolds) {
   EXPECT_EQ(hold_of(SurfacePoints{}).weakest, 0);
-  EXPECT_EQ(hold_of(SurfacePoints{}, LocalMap{}, {}).weakest, 0);
+  EXPECT_EQ(hold_of(std::span<const SurfacePoints>{}, LocalMap{}, {}).weakest, 0);
 }
 
 }  // namespace
