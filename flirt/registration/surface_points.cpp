@@ -38,8 +38,8 @@ Neighbours neighbours(const std::vector<BeamPoint>& hits, std::size_t at, double
 
 /// A point and the ones before and after it where they lie in line, though far apart: a wall at a grazing angle.
 Neighbours in_line(const std::vector<BeamPoint>& hits, std::size_t at) {
-  constexpr double cos_in_line = 0.985;  // 10°
-  constexpr double farthest = 1;         // m
+  constexpr double farthest = 1;          // m
+  constexpr double cos_in_line = 0.9986;  // 3°: a door that stands back by a hand's breadth is not in line
   const Neighbours alone{at, at + 1};
   if (at == 0 || at + 1 == hits.size()) { return alone; }
   const Point2 before = hits[at].point - hits[at - 1].point;

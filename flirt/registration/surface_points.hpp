@@ -30,7 +30,7 @@ void visit_fields(Params& params, Visitor&& visit) {
 
 /// End points in order of increasing bearing from `origin`, each moved onto the line through its neighbours where
 /// there is one (which takes out most of the noise), with the normal of that line. Along a corridor neighbours lie far
-/// apart: there the next ones count that lie in line with it (10°, 1 m). A point without a line holds a scan in all
+/// apart: there the next ones count that lie in line with it (3°, 1 m). A point without a line holds a scan in all
 /// directions, and where beams meet a wall at a grazing angle moves with the robot.
 struct SurfacePoints {
   Point2 origin{};                ///< m, the sensor in the robot's frame; bearings are taken from here

@@ -10,38 +10,63 @@
 
 namespace flirt {
 
-/// Translation errors of odometry's last motions that the scans measured well, as shares of what was driven.
+/// Compares odometry's last motions with what the scans said where they measured well.
 class OdometryError {
  public:
   void learn(const Pose2& told, const Pose2& found) {
-    constexpr std::size_t remembered = 50;  // motions
-    const double share = norm((inverse(told) * found).translation()) / extent(told);
-    if (shares_.size() < remembered) {
-      shares_.push_back(share);
+    constexpr std::size_t remembered = 100;
+    if (motions_.size() < remembered) {
+      motions_.push_back({told, found});
     } else {
-      shares_[next_] = share;
+      motions_[next_] = {told, found};
     }
     next_ = (next_ + 1) % remembered;
+    scale_ = scale();
   }
 
-  /// m, deviation of a motion's translation in any direction: four of five errors were smaller in both. Before ten
+  /// The motion with its translation by the scans' measure: wheels are larger or smaller than they are said to be.
+  [[nodiscard]] Pose2 corrected(const Pose2& told) const { return {scale_ * told.x, scale_ * told.y, told.theta}; }
+
+  /// m, deviation of the corrected translation in any direction: four of five errors were smaller in both. Before ten
   /// motions were learned that of a common robot.
   [[nodiscard]] double deviation(const Pose2& told) const {
     constexpr std::size_t fewest = 10;
     constexpr double common = 0.15;
-    if (shares_.size() < fewest) { return common * extent(told); }
-    std::vector<double> sorted = shares_;
-    const auto quantile = sorted.begin() + static_cast<std::ptrdiff_t>(4 * sorted.size() / 5);
-    std::ranges::nth_element(sorted, quantile);
+    if (motions_.size() < fewest) { return common * extent(told); }
+    std::vector<double> shares;
+    for (const Motion& motion : motions_) {
+      const Pose2 off = inverse(corrected(motion.told)) * motion.found;
+      shares.push_back(norm(off.translation()) / extent(motion.told));
+    }
+    const auto quantile = shares.begin() + static_cast<std::ptrdiff_t>(4 * shares.size() / 5);
+    std::ranges::nth_element(shares, quantile);
     return *quantile * extent(told);
   }
 
  private:
+  struct Motion {
+    Pose2 told;
+    Pose2 found;
+  };
   /// m; a robot that stands or turns on the spot is told to have moved by some millimetres, too.
   static double extent(const Pose2& told) { return 0.05 + norm(told.translation()) + 0.2 * std::abs(told.theta); }
 
-  std::vector<double> shares_{};
-  std::size_t next_{0};  ///< place of the share that is forgotten next
+  /// Least squares of found ≈ scale · told, and of scale ≈ 1 with the weight of some metres.
+  [[nodiscard]] double scale() const {
+    constexpr double prior = 1;  // m²
+    constexpr double most = 0.2;
+    double products = prior;
+    double squares = prior;
+    for (const Motion& motion : motions_) {
+      products += dot(motion.told.translation(), motion.found.translation());
+      squares += dot(motion.told.translation(), motion.told.translation());
+    }
+    return std::clamp(products / squares, 1 - most, 1 + most);
+  }
+
+  std::vector<Motion> motions_{};
+  std::size_t next_{0};  ///< place of the motion that is forgotten next
+  double scale_{1};
 };
 
 }  // namespace flirt

@@ -234,11 +234,9 @@ void ScanFrontEnd::give_up_direction(Judged& found, const Pose2& prediction, con
 ScanFrontEnd::Prediction ScanFrontEnd::predicted(const SlamScan& scan) const {
   constexpr double least = 0.005;  // m
   const Pose2 motion = reckoning_.motion(scan);
-  Prediction prediction{recent_.back() * motion, std::nullopt};
-  if (reckoning_.uses_odometry(scan)) {
-    prediction.odometry = std::clamp(odometry_error_.deviation(motion), least, params_.floor_translation);
-  }
-  return prediction;
+  if (!reckoning_.uses_odometry(scan)) { return {recent_.back() * motion, std::nullopt}; }
+  return {recent_.back() * odometry_error_.corrected(motion),
+          std::clamp(odometry_error_.deviation(motion), least, params_.floor_translation)};
 }
 
 /// Along the direction that holds the scan least, what odometry tells counts by its own deviation.
