@@ -61,8 +61,8 @@ struct SimulateOptions {
 };
 
 World world_of(const SimulateOptions& options) {
-  const bool made_up = options.plan == "office" || options.plan == "corridors" || options.plan == "tunnel" ||
-                       options.plan == "station";
+  const bool made_up =
+      options.plan == "office" || options.plan == "corridors" || options.plan == "tunnel" || options.plan == "station";
   if (made_up && options.resolution) { throw UsageError("--resolution: expected only with an image as --plan"); }
   if (options.plan == "office") { return make_office(options.office); }
   if (options.plan == "corridors") { return make_corridors(options.corridors); }
@@ -200,9 +200,10 @@ void add_simulate(CLI::App& program, Session& session) {
   command->add_option("-o,--output", options->out, "CARMEN log to write")->required();
   command->add_option("--truth", options->truth, "file for the true poses, TUM format (default: LOG.truth.tum)");
   command
-      ->add_option("--plan", options->plan,
-                   "office, corridors, tunnel or station (made up), or FILE.txt of segments x1,y1,x2,y2, or a grid map's "
-                   "FILE.yaml, or an image")
+      ->add_option(
+          "--plan", options->plan,
+          "office, corridors, tunnel or station (made up), or FILE.txt of segments x1,y1,x2,y2, or a grid map's "
+          "FILE.yaml, or an image")
       ->capture_default_str();
   command->add_option("--resolution", options->resolution, "m per pixel of an image without YAML");
   command->add_option("--people", options->people, "the same as --people-count");

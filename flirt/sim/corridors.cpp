@@ -14,9 +14,9 @@ constexpr int blocks_across = 2;
 
 /// A wall with shut doors, `into` being the direction away from the corridor.
 void add_wall(FloorPlan& plan, Point2 begin, Point2 end, Point2 into, Rng& rng) {
-  constexpr double door = 1;      // m wide
-  constexpr double depth = 0.15;  // m that it stands back
-  constexpr double least = 0.3;   // m of wall before a corner
+  constexpr double door = 1;                                      // m wide
+  constexpr double depth = 0.15;                                  // m that it stands back
+  constexpr double least = 0.3;                                   // m of wall before a corner
   constexpr std::array<double, 5> pauses{4.2, 4.2, 5, 6.3, 3.1};  // m of wall between doors
   const double length = norm(end - begin);
   const Point2 along = 1 / length * (end - begin);

@@ -23,8 +23,7 @@ bool grazes(const SurfacePoints& points, std::size_t i) {
   const auto at = [&](std::size_t k) { return Point2{points.x[k], points.y[k]}; };
   const Point2 before = at(i) - at(i - 1);
   const Point2 after = at(i + 1) - at(i);
-  return std::max(norm(before), norm(after)) > far &&
-         dot(before, after) > cos_in_line * norm(before) * norm(after);
+  return std::max(norm(before), norm(after)) > far && dot(before, after) > cos_in_line * norm(before) * norm(after);
 }
 
 SurfacePoints without_grazed(const SurfacePoints& points) {

@@ -29,8 +29,8 @@ struct Hold {
 /// agrees nearly as well: few surfaces then do so for sure (the end of a long corridor).
 [[nodiscard]] bool holds(const Hold& hold, const SlamParams& params);
 
-/// 1/m, of a pose along the direction of `hold`, by its lead: the surfaces themselves claim more than they know, since a
-/// corridor's few corners are seen by few beams, now here and now there.
+/// 1/m, of a pose along the direction of `hold`, by its lead: the surfaces themselves claim more than they know, since
+/// a corridor's few corners are seen by few beams, now here and now there.
 [[nodiscard]] double inverse_deviation(const Hold& hold, const SlamParams& params);
 
 /// Takes back what is claimed to be known of a pose along a direction beyond `information`. False when it is not more.

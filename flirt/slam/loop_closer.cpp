@@ -12,7 +12,7 @@
 namespace flirt {
 namespace {
 
-constexpr double sight = 6;  // m from the robot within which earlier scans are gathered
+constexpr double sight = 6;          // m from the robot within which earlier scans are gathered
 constexpr double most_surprise = 4;  // parts of the likely drift that no evidence makes up for
 constexpr double distinct_distance = 0.5;
 const double distinct_heading = radians_from_degrees(10);
@@ -242,7 +242,9 @@ std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::
   const Drift likely = likely_drift();
   const Drift reach = window();
   const bool is_in_window = likely.translation <= reach.translation && likely.rotation <= reach.rotation;
-  if (unseen_ == 0 || is_in_window || travel - last_closure_ < params_.global_after || travel - last_search_ < every) { return {}; }
+  if (unseen_ == 0 || is_in_window || travel - last_closure_ < params_.global_after || travel - last_search_ < every) {
+    return {};
+  }
   const auto first_recent = std::ranges::upper_bound(travel_, travel - params_.global_min_travel);
   const auto earlier = static_cast<std::size_t>(first_recent - travel_.begin());
   if (!places_.update(scans, map_from_node, earlier, most_placed)) { return {}; }  // the rest when asked next
@@ -263,8 +265,8 @@ std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::
 
 /// The way to the newest node, and how much of it was not seen well.
 void LoopCloser::measure_way(const PoseGraph& graph) {
-  constexpr double seen_well = 0.05;       // m, deviation; the drift of such motions grows with the way
-  constexpr double seen = 0.15;            // m, that of motions that a query may span
+  constexpr double seen_well = 0.05;  // m, deviation; the drift of such motions grows with the way
+  constexpr double seen = 0.15;       // m, that of motions that a query may span
   const std::size_t node = graph.map_from_node.size() - 1;
   if (node == 0) {
     travel_.push_back(0);

@@ -23,8 +23,8 @@ double way(const Pose2& motion) {
 
 }  // namespace
 
-/// Score lost by leaving the prediction. Odometry's own deviation counts as in Student's distribution with three degrees
-/// of freedom: wheels may slip.
+/// Score lost by leaving the prediction. Odometry's own deviation counts as in Student's distribution with three
+/// degrees of freedom: wheels may slip.
 double ScanFrontEnd::surprise(const Prediction& prediction, const Pose2& local_from_robot) const {
   constexpr double odometry_weight = 0.3;
   const Pose2 off = inverse(prediction.local_from_robot) * local_from_robot;
@@ -290,8 +290,7 @@ ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
   if (rival) {
     motion.unobservable = true;
     floor = floor.cwiseMax(give_up_towards(*rival, found));
-  } else if (motion.source == MotionSource::prediction ||
-             !holds(hold, params_)) {
+  } else if (motion.source == MotionSource::prediction || !holds(hold, params_)) {
     motion.unobservable = true;
     give_up_direction(found, prediction.local_from_robot, hold);
   } else {

@@ -69,35 +69,35 @@ struct SlamParams {
   double unobservable_share{0.015};  ///< less of the points' information about a direction than this: unobservable
   double unobservable_drop{0.5};  ///< score that a pose 0.3 m aside must lose for such a direction to be held after all
 
-  double loop_every{0.7};             ///< m of travel between queries for earlier visits
-  double loop_min_travel{12};         ///< m of travel after which a place counts as visited earlier
-  std::uint32_t loop_min_scans{40};   ///< scans after which it does, or `global_min_travel` of way
-  double loop_query_travel{3};        ///< m of travel whose scans are moved together
-  std::uint32_t loop_query_scans{6};  ///< scans that are moved together
-  double loop_extent{0.8};            ///< m, half width of the search, and
-  double loop_extent_growth{0.03};    ///< m per m of travel since the last closure
-  double loop_turn{0.105};            ///< rad, half width of the search, and
-  double loop_turn_growth{0.005};     ///< rad per m
-  double loop_extent_most{8};         ///< m, half width of the search at most
-  double loop_score{8.5};             ///< least score of a closure
-  double loop_margin{2};              ///< least lead of its score over a second pose
-  double loop_lead{1};                ///< least lead over poses 0.3 m aside in the direction that holds it least
-  double loop_clear_margin{6};        ///< a lead that needs no second query to agree
-  double loop_unknown{0.4};           ///< most of the points that may lie where nothing was seen
-  std::uint32_t loop_points{100};     ///< least number of points of a query
-  double loop_drift{0.3};             ///< m that the graph may well be off where it was just closed, and
-  double loop_drift_growth{0.02};     ///< m per m of travel since the last closure; if it is off by more,
+  double loop_every{0.7};                 ///< m of travel between queries for earlier visits
+  double loop_min_travel{12};             ///< m of travel after which a place counts as visited earlier
+  std::uint32_t loop_min_scans{40};       ///< scans after which it does, or `global_min_travel` of way
+  double loop_query_travel{3};            ///< m of travel whose scans are moved together
+  std::uint32_t loop_query_scans{6};      ///< scans that are moved together
+  double loop_extent{0.8};                ///< m, half width of the search, and
+  double loop_extent_growth{0.03};        ///< m per m of travel since the last closure
+  double loop_turn{0.105};                ///< rad, half width of the search, and
+  double loop_turn_growth{0.005};         ///< rad per m
+  double loop_extent_most{8};             ///< m, half width of the search at most
+  double loop_score{8.5};                 ///< least score of a closure
+  double loop_margin{2};                  ///< least lead of its score over a second pose
+  double loop_lead{1};                    ///< least lead over poses 0.3 m aside in the direction that holds it least
+  double loop_clear_margin{6};            ///< a lead that needs no second query to agree
+  double loop_unknown{0.4};               ///< most of the points that may lie where nothing was seen
+  std::uint32_t loop_points{100};         ///< least number of points of a query
+  double loop_drift{0.3};                 ///< m that the graph may well be off where it was just closed, and
+  double loop_drift_growth{0.02};         ///< m per m of travel since the last closure; if it is off by more,
   double loop_turn_drift_growth{0.0005};  ///< rad per m, the same beside `loop_turn`
-  double loop_sure_travel{6};         ///< m of travel over which the same displacement has to be found
-  double global_after{30};            ///< m of travel without closure, some of it unseen, until the map is searched
-  double global_every{6};             ///< m of travel between such searches, but only
-  double global_agree_travel{1.5};    ///< m once one found something
-  double global_min_travel{20};       ///< m of travel after which scans take part in that map, and places are earlier
-  double global_forget_travel{12};    ///< m of travel after which a place found no longer confirms others
-  std::uint32_t global_agreeing{3};   ///< places found that must agree
-  std::uint32_t polish_rounds{3};     ///< rounds of joint alignment of all scans at the end
-  double polish_spacing{0.04};        ///< m, least distance between consecutive points that take part in it
-  double polish_keep{0.02};           ///< weight of what was measured before, beside the pairs
+  double loop_sure_travel{6};             ///< m of travel over which the same displacement has to be found
+  double global_after{30};                ///< m of travel without closure, some of it unseen, until the map is searched
+  double global_every{6};                 ///< m of travel between such searches, but only
+  double global_agree_travel{1.5};        ///< m once one found something
+  double global_min_travel{20};      ///< m of travel after which scans take part in that map, and places are earlier
+  double global_forget_travel{12};   ///< m of travel after which a place found no longer confirms others
+  std::uint32_t global_agreeing{3};  ///< places found that must agree
+  std::uint32_t polish_rounds{3};    ///< rounds of joint alignment of all scans at the end
+  double polish_spacing{0.04};       ///< m, least distance between consecutive points that take part in it
+  double polish_keep{0.02};          ///< weight of what was measured before, beside the pairs
   double repair_fit{0.6};     ///< share of a scan's points that its best partners see: with less it is looked for anew
   double suspect_score{8.0};  ///< scans whose motion was found with less are looked for anew
   double repair_gain{1.0};    ///< score that a scan must gain to be moved

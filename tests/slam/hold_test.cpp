@@ -69,5 +69,28 @@ TEST(Hold, WithoutAnySurfaceNothingHolds) {
   EXPECT_EQ(hold_of(std::span<const SurfacePoints>{}, LocalMap{}, {}).weakest, 0);
 }
 
+TEST(Hold, LeadTellsABareCorridorFromOneWithAnEnd) {
+  const Pose2 here{0.9, 0, 0};
+  const auto lead_with = [&](const std::vector<Plate>& plates) {
+    LocalMap map;
+    for (const double x : {0.0, 0.3, 0.6}) { map.add(seen_from_corridor(x, plates), {x, 0, 0}); }
+    const SurfacePoints points = seen_from_corridor(here.x, plates);
+    return hold_of(std::span(&points, 1), map, here);
+  };
+  const Hold bare = lead_with({});
+  const Hold ended = lead_with({{3, 1}});
+  EXPECT_LT(bare.lead, SlamParams{}.loop_lead);
+  EXPECT_GT(ended.lead, SlamParams{}.loop_lead);
+  EXPECT_GT(inverse_deviation(ended, {}), inverse_deviation(bare, {}));
+}
+
+TEST(Hold, WhatIsKnownAlongADirectionIsTakenBack) {
+  Eigen::Matrix3d known = Eigen::Vector3d(100, 400, 900).asDiagonal();
+  EXPECT_FALSE(know_at_most(200, {1, 0}, known));
+  EXPECT_EQ(known(0, 0), 100);
+  EXPECT_TRUE(know_at_most(50, {0, 1}, known));
+  EXPECT_TRUE(known.isApprox(Eigen::Matrix3d(Eigen::Vector3d(100, 50, 900).asDiagonal()), 1e-12));
+}
+
 }  // namespace
 }  // namespace flirt

@@ -2,6 +2,7 @@
 
 #include "flirt/core/rng.hpp"
 #include "flirt/eval/trajectory_metrics.hpp"
+#include "flirt/sim/corridors.hpp"
 #include "flirt/sim/office.hpp"
 #include "flirt/sim/simulate.hpp"
 
@@ -66,6 +67,32 @@ TEST(Slam, ClosesNoLoopWrongly) {
     ++loops;
   }
   EXPECT_GT(loops, 30);
+}
+
+/// Nothing but shut doors tells how far the robot went, every corridor looks like the next, and odometry bends by 14°
+/// in 60 m.
+TEST(Slam, LongCorridorsThatLookAlikeAreNotMistakenForEachOther) {
+  SimulateParams params{.seed = 1};
+  params.lidar.beams = 180;
+  params.lidar.range_max = 80;
+  params.drive.scan_distance = 0.4;
+  params.drive.rounds = 1;
+  params.odometry.heading_bias = 0.004;
+  params.odometry.heading_noise = 0.02;
+  const ScanLog log = simulate(make_corridors({.length = 120}), params)->log;
+  std::vector<PosePair> told;
+  for (std::size_t i = 0; i < log.scans.size(); ++i) {
+    told.push_back({.estimate = *log.scans[i].odom_from_robot, .truth = log.map_from_robot[i]});
+  }
+  ASSERT_GT(absolute_error(told).translation.rmse, 10);
+  const Slam slam = mapped(log);
+  EXPECT_LT(error_of(slam, log), 1);
+  for (const PoseEdge& edge : slam.graph().edges) {
+    if (edge.kind != EdgeKind::loop) { continue; }
+    const Pose2 truth = inverse(log.map_from_robot[edge.a]) * log.map_from_robot[edge.b];
+    EXPECT_LT(distance(truth, edge.a_from_b), 0.5) << edge.a << ' ' << edge.b;
+    EXPECT_LT(heading_difference(truth, edge.a_from_b), radians_from_degrees(5)) << edge.a << ' ' << edge.b;
+  }
 }
 
 TEST(Slam, GivesTheSamePosesTwice) {
