@@ -3,6 +3,7 @@
 #include "flirt/registration/window_search.hpp"
 #include "flirt/slam/hold.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -28,6 +29,12 @@ bool agree(const Found& one, const Found& other, std::span<const Pose2> map_from
   const double radians = radians_from_degrees(3);
   const Pose2 expected = one.map_from_robot * inverse(map_from_node[one.node]) * map_from_node[other.node];
   return same_place(expected, other.map_from_robot, metres, radians);
+}
+
+bool reaches_before(std::span<const Closure> closures, std::size_t node) {
+  return std::ranges::any_of(closures, [&](const Closure& closure) {
+    return std::ranges::any_of(closure.edges, [&](const PoseEdge& edge) { return edge.a < node && node <= edge.b; });
+  });
 }
 
 }  // namespace
@@ -209,7 +216,7 @@ std::vector<Closure> LoopCloser::near(std::span<const SlamScan> scans, std::span
   std::optional<Found> found = search(query, node, map_from_node[node], reach.translation, reach.rotation);
   if (!found) { return {}; }
   const double surprising = surprise(*found, map_from_node);
-  if (surprising > most_surprise) { return {}; }
+  if (!lost_at_ && surprising > most_surprise) { return {}; }
   add_nearest(*found);
   found->query = queries_;
   forget(waiting_, *found, map_from_node);
@@ -242,17 +249,16 @@ std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::
   const Drift likely = likely_drift();
   const Drift reach = window();
   const bool is_in_window = likely.translation <= reach.translation && likely.rotation <= reach.rotation;
-  if (unseen_ == 0 || is_in_window || travel - last_closure_ < params_.global_after || travel - last_search_ < every) {
-    return {};
-  }
+  if (!lost_at_ && (unseen_ == 0 || is_in_window)) { return {}; }
   const auto first_recent = std::ranges::upper_bound(travel_, travel - params_.global_min_travel);
   const auto earlier = static_cast<std::size_t>(first_recent - travel_.begin());
   if (!places_.update(scans, map_from_node, earlier, most_placed)) { return {}; }  // the rest when asked next
+  if (travel - last_closure_ < params_.global_after || travel - last_search_ < every) { return {}; }
   last_search_ = travel;
   const std::optional<FoundPlace> place = places_.find(scans[node].scan);
   if (!place || !gather(scans, map_from_node, place->map_from_robot, sight)) { return {}; }
   std::optional<Found> found = search(query, node, place->map_from_robot, extent, turn);
-  if (!found || surprise(*found, map_from_node) > most_surprise) { return {}; }
+  if (!found || (!lost_at_ && surprise(*found, map_from_node) > most_surprise)) { return {}; }
   found->source = ClosureSource::anywhere;
   add_nearest(*found);
   forget(waiting_anywhere_, *found, map_from_node);
@@ -267,6 +273,7 @@ std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::
 void LoopCloser::measure_way(const PoseGraph& graph) {
   constexpr double seen_well = 0.05;  // m, deviation; the drift of such motions grows with the way
   constexpr double seen = 0.15;       // m, that of motions that a query may span
+  constexpr double lost = 0.2;        // m, in all directions: the robot may have been carried anywhere
   const std::size_t node = graph.map_from_node.size() - 1;
   if (node == 0) {
     travel_.push_back(0);
@@ -282,6 +289,9 @@ void LoopCloser::measure_way(const PoseGraph& graph) {
       unseen_turn_ += covariance(2, 2);
     }
     if (variance > seen * seen) { last_unseen_ = node; }
+    const double least =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance.topLeftCorner<2, 2>()).eigenvalues().x();
+    if (least > lost * lost) { lost_at_ = node; }
     break;
   }
 }
@@ -302,6 +312,7 @@ std::vector<Closure> LoopCloser::add(std::span<const SlamScan> scans, const Pose
     last_closure_ = travel_.back();
     unseen_ = 0;
     unseen_turn_ = 0;
+    if (lost_at_ && reaches_before(found, *lost_at_)) { lost_at_.reset(); }
     waiting_.clear();
     waiting_anywhere_.clear();
   }

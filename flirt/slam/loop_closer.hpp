@@ -81,6 +81,8 @@ class LoopCloser {
   double last_closure_{0};        ///< m of travel
   double unseen_{0};              ///< m², variance of the motions since the last closure that were not seen well
   double unseen_turn_{0};         ///< rad², the same of their turns
+  std::optional<std::size_t>
+      lost_at_{};                 ///< node of the last motion of which nothing was seen, until a closure spans it
   std::size_t last_unseen_{0};    ///< node of the last motion that was not seen; scans before it do not move with it
   std::size_t queries_{0};        ///< so far
   std::vector<Found> waiting_{};  ///< places found near the pose in the graph, not yet believed; they agree

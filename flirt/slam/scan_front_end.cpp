@@ -192,16 +192,18 @@ void ScanFrontEnd::remember(const SlamScan& scan, const Pose2& local_from_robot)
   add_to_map(scan, local_from_robot);
 }
 
-/// Deviations of a motion where the scan does not tell, m and rad. Odometry is never off by much; the motion before, if
-/// that is all there is, by as far as a motion can be searched for.
+/// Deviations of a motion where the scan does not tell, m and rad. Odometry is never off by much, unless the scan fits
+/// nowhere: then the robot may have been carried. Without it the motion before is off by as far as is searched.
 Eigen::Vector3d ScanFrontEnd::unmeasured(const ScanMotion& motion, const Prediction& prediction) const {
   constexpr double rotation = 1;  // rad
-  if (motion.source != MotionSource::prediction || prediction.odometry) {
-    const double translation = prediction.odometry.value_or(params_.floor_translation);
-    return {translation, translation, params_.floor_rotation};
+  const bool fits_nowhere = motion.source == MotionSource::prediction;
+  if (fits_nowhere && !prediction.odometry) {
+    const double translation = 0.5 * wide_extent();  // two deviations
+    return {translation, translation, rotation};
   }
-  const double translation = 0.5 * wide_extent();  // two deviations
-  return {translation, translation, rotation};
+  const double translation =
+      fits_nowhere ? params_.floor_translation : prediction.odometry.value_or(params_.floor_translation);
+  return {translation, translation, params_.floor_rotation};
 }
 
 void ScanFrontEnd::add_relative(ScanMotion& motion, const Judged& found, const Eigen::Vector3d& floor) const {

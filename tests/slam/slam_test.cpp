@@ -95,6 +95,30 @@ TEST(Slam, LongCorridorsThatLookAlikeAreNotMistakenForEachOther) {
   }
 }
 
+/// Lifted and put down elsewhere, with odometry as if nothing had happened. It comes by its own new way before it comes
+/// to what it knew, and that must not pass for having been found.
+TEST(Slam, FindsARobotAgainThatWasCarried) {
+  SimulateParams params{.seed = 9};
+  params.drive.rounds = 2;
+  ScanLog log = simulate(make_office({.area = 900, .seed = 8}), params)->log;
+  const std::size_t lifted = log.scans.size() * 6 / 10;
+  const std::size_t put_down = log.scans.size() * 8 / 10;
+  const Pose2 moved = *log.scans[lifted - 1].odom_from_robot * inverse(*log.scans[put_down].odom_from_robot);
+  for (std::size_t i = put_down; i < log.scans.size(); ++i) {
+    log.scans[i].odom_from_robot = moved * *log.scans[i].odom_from_robot;
+  }
+  const auto carry = [&](auto& values) {
+    values.erase(values.begin() + static_cast<std::ptrdiff_t>(lifted),
+                 values.begin() + static_cast<std::ptrdiff_t>(put_down));
+  };
+  carry(log.scans);
+  carry(log.map_from_robot);
+  ASSERT_GT(distance(log.map_from_robot[lifted - 1], log.map_from_robot[lifted]), 5);
+  const Slam slam = mapped(log);
+  EXPECT_LT(error_of(slam, log), 0.5);
+  EXPECT_EQ(slam.summary().pieces, 1U);
+}
+
 TEST(Slam, GivesTheSamePosesTwice) {
   const ScanLog& log = building().log;
   EXPECT_EQ(mapped(log).graph().map_from_node, mapped(log).graph().map_from_node);
