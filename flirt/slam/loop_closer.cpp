@@ -239,7 +239,7 @@ std::vector<Closure> LoopCloser::near(std::span<const SlamScan> scans, std::span
 std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::span<const Pose2> map_from_node,
                                           std::span<const SurfacePoints> query) {
   constexpr double extent = 0.4;
-  constexpr std::size_t most_placed = 40;  // scans at once, so that none has to wait long
+  constexpr std::size_t most_placed = 40;  // scans at once, so that none has to wait long; the rest when asked next
   const double turn = radians_from_degrees(6);
   const std::size_t node = scans.size() - 1;
   const double travel = travel_.back();
@@ -250,10 +250,12 @@ std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::
   const Drift reach = window();
   const bool is_in_window = likely.translation <= reach.translation && likely.rotation <= reach.rotation;
   if (!lost_at_ && (unseen_ == 0 || is_in_window)) { return {}; }
+  const double since = travel - (lost_at_ ? travel_[*lost_at_] : last_closure_);
+  const bool is_due = since >= params_.global_after && travel - last_search_ >= every;
+  if (!is_due && !lost_at_) { return {}; }  // who is lost has the map ready
   const auto first_recent = std::ranges::upper_bound(travel_, travel - params_.global_min_travel);
   const auto earlier = static_cast<std::size_t>(first_recent - travel_.begin());
-  if (!places_.update(scans, map_from_node, earlier, most_placed)) { return {}; }  // the rest when asked next
-  if (travel - last_closure_ < params_.global_after || travel - last_search_ < every) { return {}; }
+  if (!places_.update(scans, map_from_node, earlier, most_placed) || !is_due) { return {}; }
   last_search_ = travel;
   const std::optional<FoundPlace> place = places_.find(scans[node].scan);
   if (!place || !gather(scans, map_from_node, place->map_from_robot, sight)) { return {}; }
