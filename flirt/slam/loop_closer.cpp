@@ -252,7 +252,8 @@ std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::
   if (!lost_at_ && (unseen_ == 0 || is_in_window)) { return {}; }
   const double since = travel - (lost_at_ ? travel_[*lost_at_] : last_closure_);
   const bool is_due = since >= params_.global_after && travel - last_search_ >= every;
-  if (!is_due && !lost_at_) { return {}; }  // who is lost has the map ready
+  const bool is_prepared = lost_at_ && since >= params_.global_after / 3;  // who is lost then has the map ready
+  if (!is_due && !is_prepared) { return {}; }
   const auto first_recent = std::ranges::upper_bound(travel_, travel - params_.global_min_travel);
   const auto earlier = static_cast<std::size_t>(first_recent - travel_.begin());
   if (!places_.update(scans, map_from_node, earlier, most_placed) || !is_due) { return {}; }
