@@ -250,7 +250,8 @@ std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::
   const Drift reach = window();
   const bool is_in_window = likely.translation <= reach.translation && likely.rotation <= reach.rotation;
   if (!lost_at_ && (unseen_ == 0 || is_in_window)) { return {}; }
-  const double since = travel - (lost_at_ ? travel_[*lost_at_] : last_closure_);
+  // A closure that does not span the motion after which the robot was lost says nothing of where it is.
+  const double since = travel - (lost_at_ ? std::min(last_closure_, travel_[*lost_at_]) : last_closure_);
   const bool is_due = since >= params_.global_after && travel - last_search_ >= every;
   const bool is_prepared = lost_at_ && since >= params_.global_after / 3;  // who is lost then has the map ready
   if (!is_due && !is_prepared) { return {}; }
