@@ -39,6 +39,7 @@ SurfacePoints without_grazed(const SurfacePoints& points) {
   return kept;
 }
 
+/// Score by which a pose leads over the better of those aside along a direction, frame of the robot.
 double lead_over_aside(const LocalMap& map, std::span<const SurfacePoints> scans, const Pose2& map_from_robot,
                        Point2 direction_in_robot) {
   constexpr double aside = 0.3;  // m

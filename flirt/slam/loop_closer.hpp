@@ -18,11 +18,12 @@
 namespace flirt {
 
 /// Keeps a local map of the earlier scans around the robot, from query to query. A place found is believed when it
-/// agrees well, clearly better than any other in the window, and when the query before or after found the same
-/// displacement of the graph. A displacement larger than the way since the last closure makes likely has to be found
-/// again and again over some metres: twin rooms are left by then. The front-end `automatic`, when no earlier visit was
-/// found for long, also asks for the place of single scans in the whole map; such a place is then verified like any
-/// other, and several in a row must agree.
+/// agrees well, clearly better than any other in the window and than poses beside it, and when the query before or
+/// after found the same displacement of the graph. A displacement or turn larger than the way since the last closure
+/// makes likely has to be found again and again over some metres: twin rooms are left by then. One four times as large
+/// is never believed, unless the robot was lost on the way: then any is. The front-end `automatic`, when no earlier
+/// visit was found for long, also asks for the place of single scans in the whole map; such a place is then verified
+/// like any other, and several in a row must agree.
 class LoopCloser {
  public:
   explicit LoopCloser(const SlamParams& params) : params_(params) {}
