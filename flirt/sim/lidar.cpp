@@ -10,7 +10,8 @@ namespace {
 
 constexpr double nothing_hit = std::numeric_limits<double>::infinity();
 constexpr double past_glass = 1e-6;  // m, behind a pane at which a beam that passed it goes on
-constexpr double depth_jump = 0.2;   // m, between neighbouring beams, above which a reading may fall in between
+constexpr double depth_jump =
+    0.2;  // m, from one beam to the next at an edge, above which a reading may fall in between
 
 /// Standard normal numbers two at a time (Box and Muller), half the cost of Rng::normal.
 class Normals {
@@ -81,12 +82,22 @@ void Lidar::cover_by(const PlanDisc& disc, const Pose2& map_from_sensor, std::ve
   }
 }
 
-/// A beam that grazes an edge lights both what is before and what is behind: some readings fall in between.
-void Lidar::mix_at_jumps(std::vector<double>& ranges, Rng& rng) const {
-  for (std::size_t i = 0; i + 1 < ranges.size(); ++i) {
-    const double jump = std::abs(ranges[i + 1] - ranges[i]);
-    if (!(jump > depth_jump) || std::isinf(jump) || rng.uniform() >= params_.mixed_pixels) { continue; }
-    ranges[i] += rng.uniform() * (ranges[i + 1] - ranges[i]);
+/// A beam that grazes an edge lights both what is before and what is behind: some readings fall in between, of either
+/// beam beside the edge. A wall at a grazing angle is no edge, however far apart its readings are.
+void Lidar::mix_at_edges(std::vector<double>& ranges, Rng& rng) const {
+  const std::vector<double> clean = ranges;
+  const double bend = 2 * std::cos(beams_.angle_step);
+  const auto is_one_wall = [&](std::size_t first, std::size_t second, std::size_t third) {
+    const double inverse = bend / clean[second] - 1 / clean[first];  // of the range at which a wall goes on
+    return inverse > 0 && std::abs(1 / inverse - clean[third]) <= depth_jump;
+  };
+  for (std::size_t i = 0; i + 1 < clean.size(); ++i) {
+    const double jump = clean[i + 1] - clean[i];
+    if (!(std::abs(jump) > depth_jump) || std::isinf(jump)) { continue; }
+    if (i > 0 && is_one_wall(i - 1, i, i + 1)) { continue; }
+    if (i + 2 < clean.size() && is_one_wall(i + 2, i + 1, i)) { continue; }
+    if (rng.uniform() >= params_.mixed_pixels) { continue; }
+    ranges[rng.uniform() < 0.5 ? i : i + 1] = clean[i] + rng.uniform() * jump;
   }
 }
 
@@ -111,7 +122,7 @@ std::vector<double> Lidar::measure(const RayCaster& caster, std::span<const Plan
     const double limit = std::min(ranges[i], params_.range_max);
     ranges[i] = std::min(ranges[i], true_range(caster, map_from_sensor.translation(), in_map, limit, rng));
   }
-  if (params_.mixed_pixels > 0) { mix_at_jumps(ranges, rng); }
+  if (params_.mixed_pixels > 0) { mix_at_edges(ranges, rng); }
   Normals normals(rng);
   for (double& range : ranges) { range = reading(range, normals.next(), rng); }
   return ranges;

@@ -42,7 +42,7 @@ struct LidarParams {
   double noise_per_metre{0.001};                       ///< 1, its growth with distance
   double resolution{0.01};                             ///< m, readings are multiples of it; 0: not rounded
   double dropouts{0.002};                              ///< share of the readings lost, given as "no return"
-  double mixed_pixels{0.3};                            ///< share of the readings at a depth jump that fall in between
+  double mixed_pixels{0.3};                            ///< share of the edges at which a reading falls in between
   double glass_returns{0.1};                           ///< share of the beams that return from glass
   double glass_glare{0.09};                            ///< rad to a pane's normal, within which all beams return
 };
@@ -65,7 +65,7 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.resolution, Field{"resolution", "m", "readings are multiples of it; 0: not rounded", 0, 1});
   visit(params.dropouts, Field{"dropouts", "1", "share of the readings lost, given as no return", 0, 1});
   visit(params.mixed_pixels,
-        Field{"mixed_pixels", "1", "share of readings at a depth jump that fall in between", 0, 1});
+        Field{"mixed_pixels", "1", "share of edges at which a reading falls in between", 0, 1});
   visit(params.glass_returns, Field{"glass_returns", "1", "share of the beams that return from glass", 0, 1});
   visit(params.glass_glare, Field{"glass_glare", "rad", "to a pane's normal, within which all beams return", 0, 1.6});
 }
@@ -87,7 +87,7 @@ class Lidar {
   [[nodiscard]] double true_range(const RayCaster& caster, Point2 origin, Point2 direction, double limit,
                                   Rng& rng) const;
   void cover_by(const PlanDisc& disc, const Pose2& map_from_sensor, std::vector<double>& limits) const;
-  void mix_at_jumps(std::vector<double>& ranges, Rng& rng) const;
+  void mix_at_edges(std::vector<double>& ranges, Rng& rng) const;
   [[nodiscard]] double reading(double range, double noise, Rng& rng) const;
 
   LidarParams params_;

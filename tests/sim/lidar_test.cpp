@@ -185,11 +185,37 @@ TEST(Lidar, MixedPixelsLieBetweenTheSurfacesAtAnEdge) {
   const std::vector<double> mixed = measure(params, plan);
   params.mixed_pixels = 0;
   const std::vector<double> clean = measure(params, plan);
-  EXPECT_GT(mixed[180], 2.0);
-  EXPECT_LT(mixed[180], 6.01);
+  std::size_t changed = 0;
   for (std::size_t i = 0; i < 360; ++i) {
-    if (std::abs(clean[std::min<std::size_t>(359, i + 1)] - clean[i]) < 0.2) { EXPECT_EQ(mixed[i], clean[i]) << i; }
+    if (mixed[i] == clean[i]) { continue; }
+    ++changed;
+    EXPECT_TRUE(i == 179 || i == 180) << i;
+    EXPECT_GT(mixed[i], 2.0);
+    EXPECT_LT(mixed[i], 6.01);
   }
+  EXPECT_EQ(changed, 1U);
+}
+
+TEST(Lidar, MixesEitherBeamBesideAnEdgeEquallyOften) {
+  LidarParams params = perfect();
+  params.mixed_pixels = 1;
+  FloorPlan plan = wall_at(6);
+  plan.segments.push_back({{2, -50}, {2, 0.001}, Material::solid});
+  const double before = measure(perfect(), plan)[179];
+  int first = 0;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    first += measure(params, plan, {}, {}, seed)[179] != before ? 1 : 0;
+  }
+  EXPECT_NEAR(first, 100, 30);
+}
+
+TEST(Lidar, AWallAtAGrazingAngleIsNoEdge) {
+  LidarParams params = perfect();
+  const FloorPlan corridor{
+      .segments = {{{-100, 1}, {100, 1}, Material::solid}, {{-100, -1}, {100, -1}, Material::solid}}};
+  const std::vector<double> clean = measure(params, corridor);
+  params.mixed_pixels = 1;
+  EXPECT_EQ(measure(params, corridor), clean);
 }
 
 TEST(Lidar, EqualSeedsGiveEqualScansAndOthersDoNot) {
