@@ -6,7 +6,9 @@
 namespace flirt {
 namespace {
 
-constexpr std::uint8_t occupied_pixel = 0;
+constexpr std::uint8_t solid_pixel = 0;
+constexpr std::uint8_t occupied_pixel = 60;   // probability .76: occupied to a map_server, too
+constexpr std::uint8_t hit_once_pixel = 115;  // .55: unknown to a map_server
 constexpr std::uint8_t free_pixel = 254;
 constexpr std::uint8_t unknown_pixel = 205;
 
@@ -27,7 +29,9 @@ std::optional<CellBox> seen_box(const EvidenceGrid& grid) {
 
 std::uint8_t pixel(const EvidenceCell& cell) {
   if (!cell.seen()) { return unknown_pixel; }
-  return cell.occupied() && cell.hits >= 2 ? occupied_pixel : free_pixel;
+  if (cell.strong()) { return solid_pixel; }
+  if (!cell.occupied()) { return free_pixel; }
+  return cell.hits >= 2 ? occupied_pixel : hit_once_pixel;
 }
 
 }  // namespace

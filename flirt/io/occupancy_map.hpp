@@ -8,10 +8,13 @@
 
 namespace flirt {
 
-/// Cells that beams ended in at least twice and in at least 0.15 of all that came there are occupied (black), other
-/// seen cells free (254), the rest unknown (205), as map_server's trinary mode reads them. What only passed by, people
-/// above all, is free: most beams went through where it had been. Cropped to what was seen; one unknown pixel for an
-/// empty grid. `image_name` goes into the metadata. O(cells of the box).
+/// Cells that beams ended in at least twice and in at least 0.15 of all that came there are occupied, other seen cells
+/// free (254), the rest unknown (205), as map_server's trinary mode reads them. What only passed by, people above all,
+/// is free: most beams went through where it had been. Of occupied cells those that most beams ended in are black, the
+/// others (legs of tables, doors that stood open at times) dark grey (60), which `place_map_from_grid` tells apart.
+/// Cells that one beam ended in and five or fewer crossed are grey (115): unknown to map_server, since the reading may
+/// be stray, but in a building seen once in passing many walls consist of them. Cropped to what was seen; one unknown
+/// pixel for an empty grid. `image_name` goes into the metadata. O(cells of the box).
 [[nodiscard]] GridMapImage occupancy_map(const EvidenceGrid& grid, const std::string& image_name);
 
 }  // namespace flirt

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 namespace flirt {
@@ -39,17 +40,16 @@ struct PixelStates {
   std::int32_t width{0};
   std::int32_t height{0};
   std::vector<CellState> states;
+  std::vector<std::uint8_t> solid{};  ///< not 0: see `is_solid`
 
   /// Outside everything is unknown.
   [[nodiscard]] CellState at(std::int32_t column, std::int32_t row) const {
     return contains(column, row) ? states[offset(column, row)] : CellState::unknown;
   }
-  /// By a place in pixels from the lower left corner.
-  [[nodiscard]] CellState at(Point2 in_pixels) const {
-    if (!(in_pixels.x >= 0 && in_pixels.y >= 0 && in_pixels.x < width && in_pixels.y < height)) {
-      return CellState::unknown;
-    }
-    return states[offset(static_cast<std::int32_t>(in_pixels.x), height - 1 - static_cast<std::int32_t>(in_pixels.y))];
+  /// Index of a place in pixels from the lower left corner; nothing outside.
+  [[nodiscard]] std::optional<std::size_t> index(Point2 in_pixels) const {
+    if (!(in_pixels.x >= 0 && in_pixels.y >= 0 && in_pixels.x < width && in_pixels.y < height)) { return std::nullopt; }
+    return offset(static_cast<std::int32_t>(in_pixels.x), height - 1 - static_cast<std::int32_t>(in_pixels.y));
   }
   [[nodiscard]] bool contains(std::int32_t column, std::int32_t row) const {
     return column >= 0 && row >= 0 && column < width && row < height;
@@ -59,14 +59,32 @@ struct PixelStates {
   }
 };
 
+CellState state_of_pixel(std::uint8_t pixel, const GridMapMetadata& metadata) {
+  constexpr double likely = 0.53;  // more than 127 of 255, which stands for unknown in some maps
+  const double probability = occupancy(pixel, metadata);
+  const bool is_likely = probability > likely && probability <= 1.0;
+  return is_likely ? CellState::occupied : cell_state(pixel, metadata);
+}
+
+/// Of an occupied pixel: whether beams do not pass it.
+bool is_solid(std::uint8_t pixel, const GridMapMetadata& metadata) {
+  return occupancy(pixel, metadata) >= (1.0 + metadata.occupied_thresh) / 2;
+}
+
 PixelStates pixel_states(const GreyImage& image, const GridMapMetadata& metadata) {
   std::array<CellState, 256> state_of{};
+  std::array<std::uint8_t, 256> solid_of{};
   for (std::size_t value = 0; value < state_of.size(); ++value) {
-    state_of[value] = cell_state(static_cast<std::uint8_t>(value), metadata);
+    state_of[value] = state_of_pixel(static_cast<std::uint8_t>(value), metadata);
+    solid_of[value] = is_solid(static_cast<std::uint8_t>(value), metadata) ? 1 : 0;
   }
   PixelStates pixels{static_cast<std::int32_t>(image.width), static_cast<std::int32_t>(image.height), {}};
   pixels.states.reserve(image.pixels.size());
-  for (const std::uint8_t value : image.pixels) { pixels.states.push_back(state_of[value]); }
+  pixels.solid.reserve(image.pixels.size());
+  for (const std::uint8_t value : image.pixels) {
+    pixels.states.push_back(state_of[value]);
+    pixels.solid.push_back(solid_of[value]);
+  }
   return pixels;
 }
 
@@ -125,22 +143,27 @@ PixelStates surfaces_of(const PixelStates& pixels) {
 struct CellSample {
   CellState state;
   float occupied_share;
+  std::uint8_t solid;
 };
 
 /// What is in one cell; its corner and its sides are in pixels.
 CellSample sample(const PixelStates& pixels, Point2 corner, Point2 right, Point2 up, int samples) {
   int occupied = 0;
   int free = 0;
+  std::uint8_t solid = 0;
   for (int j = 0; j < samples; ++j) {
     for (int i = 0; i < samples; ++i) {
-      const CellState state = pixels.at(corner + ((i + 0.5) / samples) * right + ((j + 0.5) / samples) * up);
-      occupied += state == CellState::occupied ? 1 : 0;
-      free += state == CellState::free ? 1 : 0;
+      const auto index = pixels.index(corner + ((i + 0.5) / samples) * right + ((j + 0.5) / samples) * up);
+      if (!index) { continue; }
+      const bool is_occupied = pixels.states[*index] == CellState::occupied;
+      occupied += is_occupied ? 1 : 0;
+      free += pixels.states[*index] == CellState::free ? 1 : 0;
+      if (is_occupied) { solid |= pixels.solid[*index]; }
     }
   }
   const int all = samples * samples;
   const CellState state = occupied > 0 ? CellState::occupied : 2 * free > all ? CellState::free : CellState::unknown;
-  return {state, static_cast<float>(occupied) / static_cast<float>(all)};
+  return {state, static_cast<float>(occupied) / static_cast<float>(all), solid};
 }
 
 }  // namespace
@@ -167,6 +190,7 @@ Result<GridCells> grid_cells(const GreyImage& image, const GridMapMetadata& meta
   const std::size_t count = static_cast<std::size_t>(cells.width) * static_cast<std::size_t>(cells.height);
   cells.states.resize(count);
   cells.occupied_share.resize(count);
+  cells.solid.resize(count);
 
   const PixelStates pixels = surfaces_of(pixel_states(image, metadata));
   const Pose2 image_from_map = inverse(metadata.origin);
@@ -180,9 +204,10 @@ Result<GridCells> grid_cells(const GreyImage& image, const GridMapMetadata& meta
   for (std::int32_t y = 0; y < cells.height; ++y) {
     for (std::int32_t x = 0; x < cells.width; ++x) {
       const CellIndex cell{cells.first.x + x, cells.first.y + y};
-      const auto [state, occupied_share] = sample(pixels, in_pixels(cell.x, cell.y), right, up, samples);
+      const auto [state, occupied_share, solid] = sample(pixels, in_pixels(cell.x, cell.y), right, up, samples);
       cells.states[cells.offset(cell)] = state;
       cells.occupied_share[cells.offset(cell)] = occupied_share;
+      cells.solid[cells.offset(cell)] = solid;
     }
   }
   return cells;
@@ -198,7 +223,8 @@ EvidenceGrid evidence_of(const GridCells& cells, std::uint32_t counts, double ce
       evidence.count(cell, {.hits = 0, .passes = static_cast<std::uint16_t>(counts)});
     } else if (cells.states[at] == CellState::occupied) {
       const long hits = std::max(2L, std::lround(static_cast<float>(counts) * cells.occupied_share[at]));
-      evidence.count(cell, {.hits = static_cast<std::uint16_t>(hits), .passes = 0});
+      const long passes = cells.solid[at] != 0 ? 0 : hits + 1;
+      evidence.count(cell, {.hits = static_cast<std::uint16_t>(hits), .passes = static_cast<std::uint16_t>(passes)});
     }
   }
   return evidence;

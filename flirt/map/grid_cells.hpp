@@ -19,6 +19,7 @@ struct GridCells {
   std::int32_t height{0};
   std::vector<CellState> states{};
   std::vector<float> occupied_share{};  ///< of a cell's area, 0..1
+  std::vector<std::uint8_t> solid{};    ///< not 0: occupied, and no beam passes
 
   [[nodiscard]] bool contains(CellIndex cell) const {
     return cell.x >= first.x && cell.y >= first.y && cell.x < first.x + width && cell.y < first.y + height;
@@ -33,15 +34,17 @@ struct GridCells {
   }
 };
 
-/// A cell is occupied when anything in it is, free when most of it is, else unknown. Of walls thicker than a pixel only
-/// the surface counts, the pixels beside free space: no scan ends behind it, but would be drawn onto the middle of all
-/// that is occupied. By sample points inside each cell,
-/// 4 × 4 or as many as it takes to meet every smaller pixel. Errors: pixels smaller than 1 mm, more than 1 km² of
-/// cells, or more than 1000 km from the origin. O(pixels + cells · samples).
+/// A cell is occupied when anything in it is, free when most of it is, else unknown. A pixel is occupied when the map
+/// says so or calls it likelier than not (probability > 0.53; in maps of probabilities, and in ours, what was hit
+/// once), and solid when its probability is nearer to 1 than to the threshold, as all that is black. Of walls thicker
+/// than a pixel only the surface counts, the pixels beside free space: no scan ends behind it, but would be drawn onto
+/// the middle of all that is occupied. By sample points inside each cell, 4 × 4 or as many as it takes to meet every
+/// smaller pixel. Errors: pixels smaller than 1 mm, more than 1 km² of cells, or more than 1000 km from the origin.
+/// O(pixels + cells · samples).
 [[nodiscard]] Result<GridCells> grid_cells(const GreyImage& image, const GridMapMetadata& metadata, double cell_size);
 
-/// Hits `counts` · share of its area (at least 2, so that it is solid) for an occupied cell, `counts` passes for a free
-/// one. O(cells).
+/// Hits `counts` · share of its area (at least 2) for an occupied cell, with one more pass than hits unless it is
+/// solid; `counts` passes for a free one. O(cells).
 [[nodiscard]] EvidenceGrid evidence_of(const GridCells& cells, std::uint32_t counts, double cell_size);
 
 }  // namespace flirt

@@ -99,6 +99,20 @@ TEST(GridCells, ThinWallsAndWallsBesideUnknownSpaceStay) {
             (std::vector<std::string>{".....", "?????", "#####", "?????"}));
 }
 
+TEST(GridCells, ShadesTellWhatBeamsPassFromWhatTheyDoNot) {
+  GreyImage image{5, 1, {0, 60, 115, 127, 205}};  // black, likely, likelier than not, and two ways to say unknown
+  const GridCells cells = grid_cells(image, {}, 0.05).value();
+  EXPECT_EQ(cells.states, (std::vector{CellState::occupied, CellState::occupied, CellState::occupied,
+                                       CellState::unknown, CellState::unknown}));
+  EXPECT_EQ(cells.solid, (std::vector<std::uint8_t>{1, 0, 0, 0, 0}));
+  const EvidenceGrid evidence = evidence_of(cells, 8, 0.05);
+  EXPECT_TRUE(evidence.cell({0, 0}).strong());
+  for (const std::int32_t x : {1, 2}) {
+    EXPECT_TRUE(evidence.cell({x, 0}).occupied()) << x;
+    EXPECT_FALSE(evidence.cell({x, 0}).strong()) << x;
+  }
+}
+
 TEST(GridCells, ATurnedImageHasNoHoles) {
   const GreyImage white{100, 100, std::vector<std::uint8_t>(10000, 254)};
   const GridMapMetadata metadata{.resolution = 0.08, .origin = {3, -2, 0.6}};
@@ -125,7 +139,8 @@ TEST(GridCells, EvidenceGoesByTheOccupiedShareAndStaysSolid) {
                         .width = 4,
                         .height = 1,
                         .states = {CellState::occupied, CellState::occupied, CellState::free, CellState::unknown},
-                        .occupied_share = {1.0F, 0.1F, 0.0F, 0.0F}};
+                        .occupied_share = {1.0F, 0.1F, 0.0F, 0.0F},
+                        .solid = {1, 1, 0, 0}};
   const EvidenceGrid evidence = evidence_of(cells, 8, 0.05);
   EXPECT_EQ(evidence.cell({-1, 7}), (EvidenceCell{.hits = 8, .passes = 0}));
   EXPECT_EQ(evidence.cell({0, 7}), (EvidenceCell{.hits = 2, .passes = 0}));

@@ -1,0 +1,45 @@
+#include "flirt/io/occupancy_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+
+namespace flirt {
+namespace {
+
+/// The pixel of a cell that so many beams ended in and crossed.
+std::uint8_t pixel_of(std::uint16_t hits, std::uint16_t passes) {
+  EvidenceGrid grid;
+  grid.count({3, -2}, {.hits = hits, .passes = passes});
+  const GridMapImage map = occupancy_map(grid, "map.pgm");
+  EXPECT_EQ(map.image.pixels.size(), 1U);
+  return map.image.pixels.front();
+}
+
+CellState state_of(std::uint16_t hits, std::uint16_t passes) {
+  return cell_state(pixel_of(hits, passes), GridMapMetadata{});
+}
+
+TEST(OccupancyMap, SaysToMapServersWhatStandsAndWhatIsFree) {
+  EXPECT_EQ(state_of(8, 0), CellState::occupied);
+  EXPECT_EQ(state_of(2, 11), CellState::occupied);
+  EXPECT_EQ(state_of(2, 12), CellState::free);
+  EXPECT_EQ(state_of(0, 1), CellState::free);
+  EXPECT_EQ(state_of(1, 6), CellState::free);
+  EXPECT_EQ(state_of(1, 5), CellState::unknown);
+}
+
+TEST(OccupancyMap, ShadesWhatBeamsPassDifferentlyFromWhatTheyDoNot) {
+  EXPECT_EQ(pixel_of(2, 2), 0);
+  EXPECT_EQ(pixel_of(2, 3), 60);
+  EXPECT_EQ(pixel_of(1, 0), 115);
+}
+
+TEST(OccupancyMap, OfNothingIsOneUnknownPixel) {
+  const GridMapImage map = occupancy_map(EvidenceGrid{}, "map.pgm");
+  ASSERT_EQ(map.image.pixels.size(), 1U);
+  EXPECT_EQ(cell_state(map.image.pixels.front(), map.metadata), CellState::unknown);
+}
+
+}  // namespace
+}  // namespace flirt
