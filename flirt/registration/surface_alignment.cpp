@@ -62,12 +62,13 @@ std::size_t bin_of(float bearing) {
   return static_cast<std::size_t>(std::clamp(bin, 0, static_cast<int>(SurfacePoints::bins) - 1));
 }
 
-/// The nearest point of `reference` within reach whose normal is within 45° of the given one; its size when there is
+/// The nearest point of `reference` within reach whose normal is within 32° of the given one; its size when there is
 /// none.
 std::size_t nearest_alike(const SurfacePoints& reference, float x, float y, float normal_x, float normal_y) {
   constexpr int reach_bins = 1;
   constexpr std::size_t reach_points = 5;
-  constexpr float reach = 0.3F;  // m
+  constexpr float reach = 0.2F;   // m
+  constexpr float alike = 0.85F;  // cosine
   const auto ray_x = x - static_cast<float>(reference.origin.x);
   const auto ray_y = y - static_cast<float>(reference.origin.y);
   const auto bin = static_cast<int>(bin_of(rough_bearing(ray_x, ray_y)));
@@ -81,7 +82,7 @@ std::size_t nearest_alike(const SurfacePoints& reference, float x, float y, floa
       const float dx = x - reference.x[i];
       const float dy = y - reference.y[i];
       const float squared = dx * dx + dy * dy;
-      if (squared < best && normal_x * reference.normal_x[i] + normal_y * reference.normal_y[i] > 0.7F) {
+      if (squared < best && normal_x * reference.normal_x[i] + normal_y * reference.normal_y[i] > alike) {
         best = squared;
         nearest = i;
       }

@@ -37,9 +37,8 @@ Neighbours neighbours(const std::vector<BeamPoint>& hits, std::size_t at, double
 }
 
 /// A point and the ones before and after it where they lie in line, though far apart: a wall at a grazing angle.
-Neighbours in_line(const std::vector<BeamPoint>& hits, std::size_t at) {
-  constexpr double farthest = 1;          // m
-  constexpr double cos_in_line = 0.9986;  // 3°: a door that stands back by a hand's breadth is not in line
+Neighbours in_line(const std::vector<BeamPoint>& hits, std::size_t at, double cos_in_line) {
+  constexpr double farthest = 1;  // m
   const Neighbours alone{at, at + 1};
   if (at == 0 || at + 1 == hits.size()) { return alone; }
   const Point2 before = hits[at].point - hits[at - 1].point;
@@ -114,6 +113,7 @@ void sort_by_bearing(SurfacePoints& points) {
 SurfacePoints surface_points(const Scan& scan, const SurfacePointParams& params) {
   constexpr std::size_t most = 65535;
   constexpr double beams_in_reach = 2.5;
+  const double cos_in_line = std::cos(params.in_line);
   SurfacePoints points;
   points.origin = scan.robot_from_sensor.translation();
   const std::vector<BeamPoint> hits = hit_points(scan);
@@ -125,7 +125,7 @@ SurfacePoints surface_points(const Scan& scan, const SurfacePointParams& params)
     last = hits[i].point;
     const double radius = std::max(params.fit_radius, beams_in_reach * range * std::abs(scan.beams.angle_step));
     Neighbours around = neighbours(hits, i, radius);
-    if (around.end - around.begin < fewest_on_line) { around = in_line(hits, i); }
+    if (around.end - around.begin < fewest_on_line) { around = in_line(hits, i, cos_in_line); }
     append(points, fit(hits, i, around), scan.robot_from_sensor);
   }
   sort_by_bearing(points);

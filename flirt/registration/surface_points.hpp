@@ -15,6 +15,7 @@ namespace flirt {
 struct SurfacePointParams {
   double spacing{0.08};     ///< m, least distance between consecutive points that are kept
   double fit_radius{0.15};  ///< m, neighbours that a piece of surface is fitted to; more where beams are far apart
+  double in_line{0.0524};   ///< rad, bend up to which two neighbours that are far apart lie in line with a point
   double range_min{0.05};   ///< m, shorter readings are not used
   double range_max{40.0};   ///< m, longer readings are not used
 };
@@ -24,14 +25,15 @@ template <class Params, class Visitor>
 void visit_fields(Params& params, Visitor&& visit) {
   visit(params.spacing, Field{"spacing", "m", "least distance between points that are kept", 0.01, 1.0});
   visit(params.fit_radius, Field{"fit_radius", "m", "neighbours that a piece of surface is fitted to", 0.01, 1.0});
+  visit(params.in_line, Field{"in_line", "rad", "bend up to which neighbours far apart are in line", 0.0, 0.5});
   visit(params.range_min, Field{"surface_range_min", "m", "shorter readings are not used", 0.0, 10.0});
   visit(params.range_max, Field{"surface_range_max", "m", "longer readings are not used", 0.1, 40.0});
 }
 
 /// End points in order of increasing bearing from `origin`, each moved onto the line through its neighbours where
 /// there is one (which takes out most of the noise), with the normal of that line. Along a corridor neighbours lie far
-/// apart: there the next ones count that lie in line with it (3°, 1 m). A point without a line holds a scan in all
-/// directions, and where beams meet a wall at a grazing angle moves with the robot.
+/// apart: there the next ones count that lie in line with it (`in_line`, 1 m). A point without a line holds a scan in
+/// all directions, and where beams meet a wall at a grazing angle moves with the robot.
 struct SurfacePoints {
   Point2 origin{};                ///< m, the sensor in the robot's frame; bearings are taken from here
   std::vector<float> x{};         ///< m, robot frame

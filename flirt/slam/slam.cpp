@@ -76,6 +76,7 @@ struct Slam::State {
   [[nodiscard]] std::vector<SurfacePoints> fine_points() const {
     SurfacePointParams fine = params.points;
     fine.spacing = params.polish_spacing;
+    fine.in_line = params.polish_in_line;
     std::vector<SurfacePoints> points;
     points.reserve(scans.size());
     for (const SlamScan& scan : scans) { points.push_back(surface_points(scan.scan, fine)); }

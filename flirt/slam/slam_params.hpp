@@ -97,7 +97,8 @@ struct SlamParams {
   std::uint32_t global_agreeing{3};  ///< places found that must agree
   std::uint32_t polish_rounds{3};    ///< rounds of joint alignment of all scans at the end
   double polish_spacing{0.04};       ///< m, least distance between consecutive points that take part in it
-  double polish_keep{0.02};          ///< weight of what was measured before, beside the pairs
+  double polish_in_line{0.175};  ///< rad, `points.in_line` of these: in hundreds of pairs what is no wall averages out
+  double polish_keep{0.02};      ///< weight of what was measured before, beside the pairs
   double repair_fit{0.6};     ///< share of a scan's points that its best partners see: with less it is looked for anew
   double suspect_score{8.0};  ///< scans whose motion was found with less are looked for anew
   double repair_gain{1.0};    ///< score that a scan must gain to be moved
@@ -168,6 +169,8 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.global_agreeing, Field{"global_agreeing", "", "places found that must agree", 1, 100});
   visit(params.polish_rounds, Field{"polish_rounds", "", "rounds of joint alignment at the end", 0, 100});
   visit(params.polish_spacing, Field{"polish_spacing", "m", "least distance between points in them", 0.01, 1.0});
+  visit(params.polish_in_line,
+        Field{"polish_in_line", "rad", "bend up to which neighbours are in line in them", 0, 0.5});
   visit(params.polish_keep, Field{"polish_keep", "1", "weight of what was measured before, beside the pairs", 0, 1});
   visit(params.repair_fit, Field{"repair_fit", "1", "scans whose partners see less of them are looked for", 0, 1});
   visit(params.suspect_score, Field{"suspect_score", "", "scans found with less are looked for anew", -50, 50});
