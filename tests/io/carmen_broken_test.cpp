@@ -60,6 +60,22 @@ TEST(Carmen, FindsAnImpossibleStepOfRobotlaser) {
   EXPECT_TRUE(read_text(robotlaser("1 2", "0 0 0 0 0 0", "0 0 0 0 40")));
 }
 
+TEST(Carmen, RefusesPlacesThatNoMapCanHold) {
+  EXPECT_TRUE(read_text(flaser(3, "0 9999999 0 0 0 0")));
+  EXPECT_THAT(error_of(flaser(3, "1e7 1e7 0 0 0 0")),
+              HasSubstr("test.log:1: FLASER: expected a place within 10 000 km for the pose, found '1e7 1e7 0"));
+  EXPECT_THAT(error_of(flaser(3, "0 0 0 0 -1e300 0")), HasSubstr("within 10 000 km for the odometry"));
+  EXPECT_THAT(error_of(robotlaser("3 1 2 3", "2000 2 0 1 2 0")), HasSubstr("the laser within 1 km of the robot"));
+  EXPECT_THAT(error_of("PARAM robot_frontlaser_offset 1e300 nohost 0\n" + flaser(3)),
+              HasSubstr("expected a number within 1000 for robot_frontlaser_offset, found '1e300'"));
+}
+
+TEST(Carmen, TakesAnInfiniteLongestRangeForNone) {
+  const LoadedLog loaded = read_text(robotlaser("3 1 2 3", "0 0 0 0 0 0", "0 -1.5 3.0 0.5 inf")).value();
+  EXPECT_EQ(loaded.log.scans[0].beams.range_max, 50);
+  EXPECT_EQ(loaded.report.range_max_source, RangeMaxSource::assumed);
+}
+
 TEST(Carmen, ReadsRemissionsAndSkipsThem) {
   std::string line = robotlaser();
   line.replace(line.find(" 0 1.5 2 0"), 2, " 3 0.5 0.25 0.125");
