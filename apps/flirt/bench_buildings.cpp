@@ -198,7 +198,7 @@ int run(BenchBuildingsOptions& options, const Session& session) {
     }
   }
   const nlohmann::ordered_json json = buildings_json(options, rows, session);
-  if (!out.empty()) { value_or_quit(write_file_atomically(out / "buildings.json", json.dump(2) + "\n")); }
+  if (!out.empty()) { value_or_quit(write_file_atomically(out / "buildings.json", json_text(json))); }
   write_json(session, json);
   if (session.talks()) { print(rows); }
   return exit_done;

@@ -196,7 +196,7 @@ void write_all(const BenchDescriptorsOptions& options, const ReferenceLocations&
                              curves_table("precision-recall-variants", variants)}) {
     write_table(out, table);
   }
-  value_or_quit(write_file_atomically(out / "descriptors.json", json.dump(1) + "\n"));
+  value_or_quit(write_file_atomically(out / "descriptors.json", json_text(json, 1)));
   value_or_quit(write_file_atomically(out / "report.html", page.text()));
 }
 

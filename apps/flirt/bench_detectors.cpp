@@ -195,7 +195,7 @@ int run(BenchDetectorsOptions& options, const Session& session) {
   const nlohmann::ordered_json json = bench_json(options, session, reference, curves, summary);
   if (!options.out.empty()) {
     write_all(options, session, reference, selections, {summary, curves, locations_table(reference)});
-    value_or_quit(write_file_atomically(std::filesystem::path(options.out) / "detectors.json", json.dump(1) + "\n"));
+    value_or_quit(write_file_atomically(std::filesystem::path(options.out) / "detectors.json", json_text(json, 1)));
   }
   write_json(session, json);
   if (session.talks()) { print(reference, summary); }

@@ -57,7 +57,7 @@ void write_files(const std::filesystem::path& out, const LocalizationRun& run, c
                  const nlohmann::ordered_json& json) {
   value_or_quit(write_file_atomically(out / "queries.csv", queries_csv(run)));
   if (run.bench.revisit) { value_or_quit(write_file_atomically(out / "evidence.csv", evidence_csv(run))); }
-  value_or_quit(write_file_atomically(out / "localization.json", json.dump(2) + "\n"));
+  value_or_quit(write_file_atomically(out / "localization.json", json_text(json)));
   value_or_quit(write_file_atomically(out / "localization.svg", localization_curves(run)));
   value_or_quit(write_file_atomically(out / "report.html", localization_page(run, log)));
 }

@@ -177,7 +177,7 @@ int run(BenchSlamOptions& options, const Session& session) {
   const Results results = run_all(options, folder, session);
   const nlohmann::ordered_json json = json_of(options, results, session);
   value_or_quit(write_file_atomically(folder / "runs.csv", runs_csv(results.tables)));
-  value_or_quit(write_file_atomically(folder / "summary.json", json.dump(2) + "\n"));
+  value_or_quit(write_file_atomically(folder / "summary.json", json_text(json)));
   value_or_quit(write_file_atomically(folder / "report.html", report(results)));
   write_json(session, json);
   return exit_done;

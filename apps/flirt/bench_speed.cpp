@@ -82,7 +82,7 @@ int run(const BenchSpeedOptions& options, const Session& session) {
   json.update(provenance());
   if (!options.out.empty()) {
     const std::filesystem::path out = value_or_quit(folder_for_results(options.out));
-    value_or_quit(write_file_atomically(out / "speed.json", json.dump(2) + "\n"));
+    value_or_quit(write_file_atomically(out / "speed.json", json_text(json)));
   }
   write_json(session, json);
   return exit_done;

@@ -197,7 +197,7 @@ int run(BenchTrackingOptions& options, const Session& session) {
   json.update(provenance());
   if (!options.out.empty()) {
     const std::filesystem::path out = value_or_quit(folder_for_results(options.out));
-    value_or_quit(write_file_atomically(out / "tracking.json", json.dump(2) + "\n"));
+    value_or_quit(write_file_atomically(out / "tracking.json", json_text(json)));
     value_or_quit(write_file_atomically(out / "drives.csv", drives_csv(outcomes, options.bench)));
     value_or_quit(write_file_atomically(out / "steps.csv", steps_csv(outcomes)));
   }

@@ -106,7 +106,7 @@ std::string json_line(const ScanFeatures& result, const Scan& scan, const Featur
   for (std::size_t k = 0; k < result.features.keypoints.size(); ++k) {
     line["keypoints"].push_back(keypoint_json(result.features.keypoints[k], result.features.descriptors.row(k)));
   }
-  return line.dump() + "\n";
+  return json_text(line, -1);
 }
 
 void write_json_lines(const Session& session, const std::vector<ScanFeatures>& results, const ScanLog& log,

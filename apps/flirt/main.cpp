@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
     return exit_bad_input;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "flirt: internal error: %s\n", error.what());
+    check_numbers(program);
     return exit_internal;
   }
 }
