@@ -123,7 +123,7 @@ void add_table(HtmlReport& html, const std::string& title, const TextTable& tabl
 
 /// The whole map, and where it ends: there the error of the whole way shows.
 void add_dynamic_pictures(HtmlReport& html, const DynamicRun& run) {
-  const GridMapImage map = map_of(run.log, run.map_from_robot);
+  const GridMapImage map = map_of(run.log, run.map_from_robot, run.place);
   MapOverlay overlay{.way = run.map_from_robot, .true_way = run.log.map_from_robot};
   html.figure(map_picture(map, overlay), fmt::format("{} by {}: {:.2f} m off at the end of {:.0f} m.", run.place,
                                                      run.method, run.end_distance, run.way));
@@ -146,7 +146,8 @@ std::string report(const Results& results) {
     html.heading("Maps of " + table.input.name);
     for (const SlamRow& row : table.rows) {
       const MapOverlay overlay{.way = row.map_from_robot, .closures = row.closure_lines};
-      html.figure(map_picture(map_of(table.input.log, row.map_from_robot), overlay), name_of(table.input, row));
+      html.figure(map_picture(map_of(table.input.log, row.map_from_robot, table.input.file), overlay),
+                  name_of(table.input, row));
     }
   }
   if (!results.dynamic.empty()) { html.heading("Maps among people"); }

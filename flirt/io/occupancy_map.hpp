@@ -1,6 +1,7 @@
 // flirt/io/occupancy_map.hpp: the grid map that navigation loads, from accumulated evidence.
 #pragma once
 
+#include "flirt/core/result.hpp"
 #include "flirt/grid/evidence_grid.hpp"
 #include "flirt/io/ros_map.hpp"
 
@@ -11,7 +12,8 @@ namespace flirt {
 /// Cells that beams ended in at least twice and in at least 0.15 of all that came there are occupied (black), other
 /// seen cells free (254), the rest unknown (205), as map_server's trinary mode reads them. What only passed by, people
 /// above all, is free: most beams went through where it had been. Cropped to what was seen; one unknown pixel for an
-/// empty grid. `image_name` goes into the metadata. O(cells of the box).
-[[nodiscard]] GridMapImage occupancy_map(const EvidenceGrid& grid, const std::string& image_name);
+/// empty grid. `image_name` goes into the metadata. Error: more than 2^30 cells in the box, of scans that lie far
+/// apart. O(cells of the box).
+[[nodiscard]] Result<GridMapImage> occupancy_map(const EvidenceGrid& grid, const std::string& image_name);
 
 }  // namespace flirt

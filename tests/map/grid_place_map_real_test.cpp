@@ -91,7 +91,7 @@ TEST(PlaceMapFromGridOfARealBuilding, FindsTheScansOfAnotherCorrectionOfTheDrive
   const ScanLog log = read_log(*mapped).value().log;
   EvidenceGrid evidence;
   for (std::size_t i = 0; i < log.scans.size(); ++i) { evidence.add(log.scans[i], log.map_from_sensor(i)); }
-  const GridMapImage grid = occupancy_map(evidence, "map.pgm");
+  const GridMapImage grid = occupancy_map(evidence, "map.pgm").value();
   const PlaceMap map = place_map_from_grid(grid.image, grid.metadata).value();
 
   const ScanLog queries = read_log(*asked).value().log;
