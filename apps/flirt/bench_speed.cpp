@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -89,10 +88,6 @@ int run(const BenchSpeedOptions& options, const Session& session) {
 }
 
 }  // namespace
-
-double cpu_us() {
-  return static_cast<double>(std::clock()) * (1e6 / static_cast<double>(CLOCKS_PER_SEC));
-}
 
 void add_bench_speed(CLI::App& bench, Session& session) {
   auto options = std::make_shared<BenchSpeedOptions>();

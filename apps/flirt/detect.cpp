@@ -1,4 +1,5 @@
 // apps/flirt/detect.cpp: `flirt detect`, keypoints and descriptors of the scans of a log.
+#include "flirt/core/stopwatch.hpp"
 #include "flirt/features/extract.hpp"
 #include "flirt/io/file.hpp"
 #include "flirt/io/log.hpp"
@@ -10,7 +11,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <memory>
 #include <optional>
@@ -37,10 +37,6 @@ struct ScanFeatures {
   double describe_us{0};
 };
 
-double microseconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
-}
-
 /// One per thread, so that memory is kept from scan to scan.
 struct Worker {
   Detector detector;
@@ -50,13 +46,12 @@ struct Worker {
 
   ScanFeatures extract(const ScanLog& log, std::size_t i) {
     ScanFeatures result{.scan = i};
-    const auto start = std::chrono::steady_clock::now();
+    Stopwatch stopwatch;
     const std::span<const Keypoint> keypoints = detector.detect(log.scans[i]);
-    result.detect_us = microseconds_since(start);
+    result.detect_us = stopwatch.lap_us();
     result.features.keypoints.assign(keypoints.begin(), keypoints.end());
-    const auto middle = std::chrono::steady_clock::now();
     result.features.descriptors = describer.describe(log.scans[i], result.features.keypoints);
-    result.describe_us = microseconds_since(middle);
+    result.describe_us = stopwatch.lap_us();
     return result;
   }
 };

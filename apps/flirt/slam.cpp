@@ -1,6 +1,7 @@
 // apps/flirt/slam.cpp: `flirt slam`, a consistent map from any log.
 #include "flirt/slam/slam.hpp"
 
+#include "flirt/core/stopwatch.hpp"
 #include "flirt/io/flirt_map.hpp"
 #include "flirt/io/g2o.hpp"
 #include "flirt/io/log.hpp"
@@ -12,7 +13,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <iterator>
 #include <memory>
 #include <string>
@@ -103,7 +103,6 @@ EarlierMap read_earlier(const std::string& folder) {
 }
 
 SlamRun map_log(const SlamOptions& options, const ScanLog& log, const EarlierMap& earlier, const Session& session) {
-  using Clock = std::chrono::steady_clock;
   SlamRun run{.log = options.log,
               .odometry = odometry_use(options, log),
               .front_end = name_of(options.slam.front_end),
@@ -115,9 +114,9 @@ SlamRun map_log(const SlamOptions& options, const ScanLog& log, const EarlierMap
   const Progress progress = progress_bar(session, "mapping");
   Slam slam(options.slam);
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
-    const auto begin = Clock::now();
+    Stopwatch stopwatch;
     slam.add(log.scans[i]);
-    run.latency_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
+    run.latency_ms.push_back(stopwatch.lap_us() * 1e-3);
     if (progress) { progress(static_cast<double>(i + 1) / static_cast<double>(log.scans.size())); }
   }
   if (!earlier.scans.empty()) {
