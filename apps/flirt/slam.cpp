@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace flirt::app {
@@ -24,7 +25,7 @@ struct SlamOptions {
   std::string log;
   std::string out;
   bool no_odometry{false};
-  std::string window;
+  std::optional<std::uint32_t> window;
   std::string front_end;
   std::string resume;
   std::size_t every{1};
@@ -35,7 +36,7 @@ struct SlamOptions {
 /// The short flags say the same as --slam-odometry, --slam-window and --slam-front-end, and win over a file.
 void apply_short_flags(SlamOptions& options) {
   if (options.no_odometry) { options.slam.odometry = OdometryUse::ignore; }
-  if (!options.window.empty()) { options.slam.window = static_cast<std::uint32_t>(std::stoul(options.window)); }
+  if (options.window) { options.slam.window = *options.window; }
   for (const auto& [kind, name] : enum_names(FrontEndKind{})) {
     if (name == options.front_end) { options.slam.front_end = kind; }
   }
