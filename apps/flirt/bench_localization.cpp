@@ -63,9 +63,10 @@ void write_files(const std::filesystem::path& out, const LocalizationRun& run, c
 }
 
 int run(BenchLocalizationOptions& options, const Session& session) {
+  options.localize.set_seed(session.seed);
   options.params.resolve(session.config);
   options.bench.seed = session.seed;
-  options.bench.localize = options.localize.localize(session.seed);
+  options.bench.localize = options.localize.localize();
   options.bench.protocol = options.protocol == "revisit" ? LocalizationProtocol::revisit : LocalizationProtocol::paper;
   if (options.protocol != "revisit" && (options.ablation || !options.distractors.empty())) {
     throw UsageError("--distractors, --ablation: expected with --protocol revisit");

@@ -168,9 +168,10 @@ std::vector<DriveOutcome> all_outcomes(const BenchTrackingOptions& options, cons
 }
 
 int run(BenchTrackingOptions& options, const Session& session) {
+  options.localize.set_seed(session.seed);
   options.params.resolve(session.config);
   options.bench.seed = session.seed;
-  options.bench.tracker.localize = options.localize.localize(session.seed);
+  options.bench.tracker.localize = options.localize.localize();
   if (options.bench.tracker.localize.method == LocalizeMethod::papers) {
     throw UsageError("--method: expected auto, dense or features, found papers");
   }

@@ -23,12 +23,11 @@ void LocalizeFlags::add(CLI::App& command, ParamFlags& params) {
   params.add(command, "ransac", params_.papers.ransac);
 }
 
-LocalizeParams LocalizeFlags::localize(std::uint64_t seed) const {
+LocalizeParams LocalizeFlags::localize() const {
   LocalizeParams params = params_;
   for (const auto& [value, name] : enum_names(LocalizeMethod{})) {
     if (name == method_) { params.method = value; }
   }
-  params.papers.ransac.seed = seed;
   return params;
 }
 
