@@ -61,6 +61,7 @@ bool is_chosen(const BenchSpeedOptions& options, std::string_view name) {
 }
 
 int run(const BenchSpeedOptions& options, const Session& session) {
+  ParamFlags().resolve(session.config);  // no key of a file is known here
   nlohmann::ordered_json json;
   for (const Experiment& experiment : experiments) {
     if (!is_chosen(options, experiment.name)) { continue; }
