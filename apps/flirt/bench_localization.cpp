@@ -137,7 +137,8 @@ void add_bench_localization(CLI::App& bench, Session& session) {
   command->add_flag("--ablation", options->ablation,
                     "with revisit: run again without each ingredient, with a paired test against all of them");
   command->add_option("--variants", options->variants, "with --ablation: only these, separated by commas")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->needs("--ablation");
   command->add_option("-o,--output", options->out,
                       "folder for localization.json, queries.csv, evidence.csv, localization.svg and report.html");
   options->features.add(*command, options->params);

@@ -200,12 +200,12 @@ int run(const Session& session, const DetectOptions& options) {
         fmt::format("--scan: expected a scan of the log, 0 to {}, found {}", log.scans.size() - 1, *options.scan));
   }
   const std::vector<ScanFeatures> results = extract_all(options, session, log, params);
+  if (!options.svg.empty()) { write_figure(options, log, params); }
   if (session.talks()) {
     if (options.scan) { print_keypoints(results.front()); }
     print_summary(results, params);
   }
   write_json_lines(session, results, log, params);
-  if (!options.svg.empty()) { write_figure(options, log, params); }
   return exit_done;
 }
 
@@ -217,9 +217,11 @@ void add_detect(CLI::App& program, Session& session) {
                                   "flirt detect run.log.gz --scan 120 --svg scan120.svg --json scan120.jsonl");
   command->add_option("LOG", options->log, "log file")->required();
   command->add_option("--scan", options->scan, "index of one scan in the log (default: all)");
-  command->add_option("--svg", options->svg, "figure of that scan, or of the first");
-  command->add_option("--keypoint", options->keypoint,
-                      "index of the keypoint whose descriptor is drawn (default: the one with most returns around)");
+  CLI::Option* svg = command->add_option("--svg", options->svg, "figure of that scan, or of the first");
+  command
+      ->add_option("--keypoint", options->keypoint,
+                   "index of the keypoint whose descriptor is drawn (default: the one with most returns around)")
+      ->needs(svg);
   options->features.add(*command, options->params);
   session.on(command, [&session, options] { return run(session, *options); });
 }
