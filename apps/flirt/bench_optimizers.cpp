@@ -57,6 +57,10 @@ nlohmann::ordered_json run_backend(const BenchOptimizersOptions& options, Backen
 
 nlohmann::ordered_json bench_log(const BenchOptimizersOptions& options, const std::string& log) {
   const GraphFile file = value_or_quit(read_toro_graph(log));
+  if (const std::size_t nodes = file.graph.map_from_node.size(); options.optimize.fixed_node >= nodes) {
+    throw UsageError(fmt::format("--optimize-fixed-node: expected less than the {} nodes of {}, found {}", nodes, log,
+                                 options.optimize.fixed_node));
+  }
   PoseGraph start = file.graph;
   chain_motion(start);
   nlohmann::ordered_json json{{"log", log},

@@ -11,9 +11,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace flirt::app {
@@ -95,7 +97,13 @@ Results run_all(const BenchSlamOptions& options, const std::filesystem::path& fo
   Results results;
   std::vector<SlamInput> inputs;
   inputs.reserve(options.logs.size());
-  for (const std::string& text : options.logs) { inputs.push_back(read_slam_input(text, session)); }
+  for (const std::string& text : options.logs) {
+    SlamInput input = read_slam_input(text, session);
+    if (std::ranges::find(inputs, input.name, &SlamInput::name) != inputs.end()) {  // names are those of files
+      throw UsageError("--log: expected each name once, found '" + input.name + "' again");
+    }
+    inputs.push_back(std::move(input));
+  }
   for (SlamInput& input : inputs) {
     thin(input, options.every);
     results.tables.push_back(run_log(options, std::move(input), folder, session));

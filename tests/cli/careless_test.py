@@ -78,6 +78,12 @@ class Careless(unittest.TestCase):
         result = run("evaluate", self.log, "--truth", self.log, "--seed", "3", "--json", "-")
         self.assertEqual(json.loads(result.stdout)["params"]["quality"]["seed"], 3)
 
+    def test_benches_refuse_what_would_end_badly(self):
+        graph = self.file("two.graph", "VERTEX2 0 0 0 0\nVERTEX2 1 1 0 0\nEDGE2 0 1 1 0 0 1 0 1 1 0 0\n")
+        self.refused(1, "less than the 2 nodes", "bench", "optimizers", graph, "--optimize-fixed-node", "2")
+        self.refused(1, "each name once, found 'a' again", "bench", "slam", "-o", self.work / "twice", "--log",
+                     f"a={self.log}", "--log", f"a={self.log}")
+
     def test_a_config_file_is_read_by_every_command(self):
         missing = self.work / "missing.toml"
         empty = self.file("empty.toml", "")
