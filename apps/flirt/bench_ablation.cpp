@@ -89,6 +89,7 @@ void print(const Table& table) {
 }
 
 int run(BenchAblationOptions& options, const Session& session) {
+  ParamFlags().resolve(session.config);  // no key of a file is known here
   options.bench.localization.seed = session.seed;
   options.bench.detectors.transforms.seed = session.seed;
   const ReferenceLocations reference = read_locations(options.locations, session);

@@ -171,7 +171,7 @@ void write_all(const BenchArenaOptions& options, const Arena& arena, const nlohm
   for (const Table& table : {contenders_table(arena), shortlists_table(arena), curves_table(arena)}) {
     write_table(out, table);
   }
-  value_or_quit(write_file_atomically(out / "arena.json", json.dump(1) + "\n"));
+  value_or_quit(write_file_atomically(out / "arena.json", json_text(json, 1)));
   value_or_quit(write_file_atomically(out / "report.html", page.text()));
 }
 

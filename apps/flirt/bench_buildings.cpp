@@ -95,7 +95,7 @@ void run_building(const BenchBuildingsOptions& options, const Building& building
                   const Session& session, std::vector<Row>& rows) {
   for (const double people : options.people) {
     const BuildingBenchParams params{
-        .people = people / 100, .localize = options.localize.localize(session.seed), .seed = session.seed};
+        .people = people / 100, .localize = options.localize.localize(), .seed = session.seed};
     const std::string label = fmt::format("{}, {:.0f}°", building.name, degrees_from_radians(lidar.field_of_view));
     rows.push_back({building.name, degrees_from_radians(lidar.field_of_view),
                     bench_building(building.plan, building.map, lidar, building.map_from_sensor, params,
@@ -174,6 +174,7 @@ void print(const std::vector<Row>& rows) {
 }
 
 int run(BenchBuildingsOptions& options, const Session& session) {
+  options.localize.set_seed(session.seed);
   options.params.resolve(session.config);
   std::filesystem::path out;
   if (!options.out.empty()) { out = value_or_quit(folder_for_results(options.out)); }
@@ -198,7 +199,7 @@ int run(BenchBuildingsOptions& options, const Session& session) {
     }
   }
   const nlohmann::ordered_json json = buildings_json(options, rows, session);
-  if (!out.empty()) { value_or_quit(write_file_atomically(out / "buildings.json", json.dump(2) + "\n")); }
+  if (!out.empty()) { value_or_quit(write_file_atomically(out / "buildings.json", json_text(json))); }
   write_json(session, json);
   if (session.talks()) { print(rows); }
   return exit_done;

@@ -196,11 +196,12 @@ void write_all(const BenchDescriptorsOptions& options, const ReferenceLocations&
                              curves_table("precision-recall-variants", variants)}) {
     write_table(out, table);
   }
-  value_or_quit(write_file_atomically(out / "descriptors.json", json.dump(1) + "\n"));
+  value_or_quit(write_file_atomically(out / "descriptors.json", json_text(json, 1)));
   value_or_quit(write_file_atomically(out / "report.html", page.text()));
 }
 
 int run(BenchDescriptorsOptions& options, const Session& session) {
+  ParamFlags().resolve(session.config);  // no key of a file is known here
   options.bench.transforms.seed = session.seed;
   const ReferenceLocations reference = read_locations(options.locations, session);
   const auto bench = [&](const std::vector<FeatureMethod>& methods, const std::string& label) {

@@ -181,6 +181,7 @@ void write_all(const BenchDetectorsOptions& options, const Session& session, con
 }
 
 int run(BenchDetectorsOptions& options, const Session& session) {
+  ParamFlags().resolve(session.config);  // no key of a file is known here
   options.bench.transforms.seed = session.seed;
   const ReferenceLocations reference = read_locations(options.locations, session);
   const auto bench = [&](const std::vector<DetectorVariant>& variants, const std::string& label) {
@@ -195,7 +196,7 @@ int run(BenchDetectorsOptions& options, const Session& session) {
   const nlohmann::ordered_json json = bench_json(options, session, reference, curves, summary);
   if (!options.out.empty()) {
     write_all(options, session, reference, selections, {summary, curves, locations_table(reference)});
-    value_or_quit(write_file_atomically(std::filesystem::path(options.out) / "detectors.json", json.dump(1) + "\n"));
+    value_or_quit(write_file_atomically(std::filesystem::path(options.out) / "detectors.json", json_text(json, 1)));
   }
   write_json(session, json);
   if (session.talks()) { print(reference, summary); }

@@ -57,15 +57,16 @@ void write_files(const std::filesystem::path& out, const LocalizationRun& run, c
                  const nlohmann::ordered_json& json) {
   value_or_quit(write_file_atomically(out / "queries.csv", queries_csv(run)));
   if (run.bench.revisit) { value_or_quit(write_file_atomically(out / "evidence.csv", evidence_csv(run))); }
-  value_or_quit(write_file_atomically(out / "localization.json", json.dump(2) + "\n"));
+  value_or_quit(write_file_atomically(out / "localization.json", json_text(json)));
   value_or_quit(write_file_atomically(out / "localization.svg", localization_curves(run)));
   value_or_quit(write_file_atomically(out / "report.html", localization_page(run, log)));
 }
 
 int run(BenchLocalizationOptions& options, const Session& session) {
+  options.localize.set_seed(session.seed);
   options.params.resolve(session.config);
   options.bench.seed = session.seed;
-  options.bench.localize = options.localize.localize(session.seed);
+  options.bench.localize = options.localize.localize();
   options.bench.protocol = options.protocol == "revisit" ? LocalizationProtocol::revisit : LocalizationProtocol::paper;
   if (options.protocol != "revisit" && (options.ablation || !options.distractors.empty())) {
     throw UsageError("--distractors, --ablation: expected with --protocol revisit");
@@ -136,7 +137,8 @@ void add_bench_localization(CLI::App& bench, Session& session) {
   command->add_flag("--ablation", options->ablation,
                     "with revisit: run again without each ingredient, with a paired test against all of them");
   command->add_option("--variants", options->variants, "with --ablation: only these, separated by commas")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->needs("--ablation");
   command->add_option("-o,--output", options->out,
                       "folder for localization.json, queries.csv, evidence.csv, localization.svg and report.html");
   options->features.add(*command, options->params);

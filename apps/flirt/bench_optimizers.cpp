@@ -1,4 +1,5 @@
 // apps/flirt/bench_optimizers.cpp: `flirt bench optimizers`, the pose-graph back-ends on the graphs that logs hold.
+#include "flirt/eval/cpu_time.hpp"
 #include "flirt/eval/trajectory_metrics.hpp"
 #include "flirt/graph/edge_error.hpp"
 #include "flirt/graph/optimize.hpp"
@@ -10,7 +11,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <ctime>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,10 +34,6 @@ TrajectoryError error_against(const std::vector<Pose2>& published, const PoseGra
   return absolute_error(pairs);
 }
 
-double cpu_seconds() {
-  return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
-}
-
 nlohmann::ordered_json short_error_json(const TrajectoryError& error) {
   return {
       {"ate_m", error.translation.rmse}, {"max_m", error.translation.max}, {"ate_deg", error.rotation_degrees.rmse}};
@@ -48,9 +44,9 @@ nlohmann::ordered_json run_backend(const BenchOptimizersOptions& options, Backen
   PoseGraph graph = start;
   OptimizeParams params = options.optimize;
   params.backend = backend;
-  const double before = cpu_seconds();
+  const double before = process_cpu_us();
   const OptimizeSummary summary = optimize(graph, params);
-  const double seconds = cpu_seconds() - before;
+  const double seconds = (process_cpu_us() - before) * 1e-6;
   nlohmann::ordered_json json{{"backend", to_string(backend)},    {"cpu_seconds", seconds},
                               {"wall_seconds", summary.seconds},  {"iterations", summary.iterations},
                               {"converged", summary.converged},   {"initial_chi2", summary.initial_chi2},
@@ -61,6 +57,10 @@ nlohmann::ordered_json run_backend(const BenchOptimizersOptions& options, Backen
 
 nlohmann::ordered_json bench_log(const BenchOptimizersOptions& options, const std::string& log) {
   const GraphFile file = value_or_quit(read_toro_graph(log));
+  if (const std::size_t nodes = file.graph.map_from_node.size(); options.optimize.fixed_node >= nodes) {
+    throw UsageError(fmt::format("--optimize-fixed-node: expected less than the {} nodes of {}, found {}", nodes, log,
+                                 options.optimize.fixed_node));
+  }
   PoseGraph start = file.graph;
   chain_motion(start);
   nlohmann::ordered_json json{{"log", log},

@@ -11,9 +11,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace flirt::app {
@@ -95,7 +97,13 @@ Results run_all(const BenchSlamOptions& options, const std::filesystem::path& fo
   Results results;
   std::vector<SlamInput> inputs;
   inputs.reserve(options.logs.size());
-  for (const std::string& text : options.logs) { inputs.push_back(read_slam_input(text, session)); }
+  for (const std::string& text : options.logs) {
+    SlamInput input = read_slam_input(text, session);
+    if (std::ranges::find(inputs, input.name, &SlamInput::name) != inputs.end()) {  // names are those of files
+      throw UsageError("--log: expected each name once, found '" + input.name + "' again");
+    }
+    inputs.push_back(std::move(input));
+  }
   for (SlamInput& input : inputs) {
     thin(input, options.every);
     results.tables.push_back(run_log(options, std::move(input), folder, session));
@@ -123,7 +131,7 @@ void add_table(HtmlReport& html, const std::string& title, const TextTable& tabl
 
 /// The whole map, and where it ends: there the error of the whole way shows.
 void add_dynamic_pictures(HtmlReport& html, const DynamicRun& run) {
-  const GridMapImage map = map_of(run.log, run.map_from_robot);
+  const GridMapImage map = map_of(run.log, run.map_from_robot, run.place);
   MapOverlay overlay{.way = run.map_from_robot, .true_way = run.log.map_from_robot};
   html.figure(map_picture(map, overlay), fmt::format("{} by {}: {:.2f} m off at the end of {:.0f} m.", run.place,
                                                      run.method, run.end_distance, run.way));
@@ -146,7 +154,8 @@ std::string report(const Results& results) {
     html.heading("Maps of " + table.input.name);
     for (const SlamRow& row : table.rows) {
       const MapOverlay overlay{.way = row.map_from_robot, .closures = row.closure_lines};
-      html.figure(map_picture(map_of(table.input.log, row.map_from_robot), overlay), name_of(table.input, row));
+      html.figure(map_picture(map_of(table.input.log, row.map_from_robot, table.input.file), overlay),
+                  name_of(table.input, row));
     }
   }
   if (!results.dynamic.empty()) { html.heading("Maps among people"); }
@@ -177,7 +186,7 @@ int run(BenchSlamOptions& options, const Session& session) {
   const Results results = run_all(options, folder, session);
   const nlohmann::ordered_json json = json_of(options, results, session);
   value_or_quit(write_file_atomically(folder / "runs.csv", runs_csv(results.tables)));
-  value_or_quit(write_file_atomically(folder / "summary.json", json.dump(2) + "\n"));
+  value_or_quit(write_file_atomically(folder / "summary.json", json_text(json)));
   value_or_quit(write_file_atomically(folder / "report.html", report(results)));
   write_json(session, json);
   return exit_done;

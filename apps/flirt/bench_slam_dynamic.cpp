@@ -1,5 +1,7 @@
 #include "apps/flirt/bench_slam_dynamic.hpp"
 
+#include "flirt/core/stopwatch.hpp"
+#include "flirt/eval/cpu_time.hpp"
 #include "flirt/sim/office.hpp"
 #include "flirt/sim/simulate.hpp"
 #include "flirt/sim/station.hpp"
@@ -11,8 +13,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
-#include <ctime>
 
 namespace flirt::app {
 namespace {
@@ -116,19 +116,18 @@ nlohmann::ordered_json dynamic_json(const std::vector<DynamicRun>& runs) {
 }
 
 LongRun run_long(std::size_t scans, const SlamParams& params, const Session& session) {
-  using Clock = std::chrono::steady_clock;
   const ScanLog log = long_log(scans, session);
   const Progress progress = progress_bar(session, "long run");
-  const std::clock_t before = std::clock();
+  const double before = process_cpu_us();
   Slam slam(params);
   std::vector<double> ms;
   double early_mb = 0;
   const std::size_t quarter = log.scans.size() / 4;
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
     if (i == quarter) { early_mb = resident_mb(); }
-    const auto begin = Clock::now();
+    Stopwatch stopwatch;
     slam.add(log.scans[i]);
-    ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
+    ms.push_back(stopwatch.lap_us() * 1e-3);
     if (progress) { progress(static_cast<double>(i + 1) / static_cast<double>(log.scans.size())); }
   }
   const double grown_mb = resident_mb() - early_mb;
@@ -143,7 +142,7 @@ LongRun run_long(std::size_t scans, const SlamParams& params, const Session& ses
           .first_quarter = latency_of({ms.begin(), at(quarter)}),
           .last_quarter = latency_of({at(ms.size() - quarter), ms.end()}),
           .bytes_per_scan = grown_mb * 1024 * 1024 / static_cast<double>(std::max<std::size_t>(1, ms.size() - quarter)),
-          .cpu_seconds = static_cast<double>(std::clock() - before) / static_cast<double>(CLOCKS_PER_SEC),
+          .cpu_seconds = (process_cpu_us() - before) * 1e-6,
           .ate = absolute_error(pairs).translation.rmse};
 }
 

@@ -1,6 +1,8 @@
 #include "apps/flirt/bench_slam_run.hpp"
 
 #include "flirt/core/rng.hpp"
+#include "flirt/core/stopwatch.hpp"
+#include "flirt/eval/cpu_time.hpp"
 #include "flirt/slam/rbpf.hpp"
 #include "flirt/slam/slam.hpp"
 
@@ -9,25 +11,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
-#include <ctime>
 #include <numbers>
 
 namespace flirt::app {
 namespace {
 
-double cpu_seconds() {
-  return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
-}
-
 /// Times `add` for each scan.
 template <class Mapper>
 void add_all(Mapper& mapper, const ScanLog& log, MappingResult& result, const Progress& progress) {
-  using Clock = std::chrono::steady_clock;
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
-    const auto begin = Clock::now();
+    Stopwatch stopwatch;
     mapper.add(log.scans[i]);
-    result.latency_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
+    result.latency_ms.push_back(stopwatch.lap_us() * 1e-3);
     if (progress) { progress(static_cast<double>(i + 1) / static_cast<double>(log.scans.size())); }
   }
 }
@@ -91,7 +86,7 @@ MappingResult map_scans(const ScanLog& log, const std::string& method, OdometryU
                         const Session& session, const Progress& progress) {
   MappingResult result;
   forget_peak();
-  const double before = cpu_seconds();
+  const double before = process_cpu_us();
   if (method == "rbpf") {
     methods.rbpf.odometry = odometry;
     Rbpf filter(methods.rbpf, session.seed, session.threads);
@@ -104,7 +99,7 @@ MappingResult map_scans(const ScanLog& log, const std::string& method, OdometryU
     }
     map_by_graph(log, methods.slam, result, progress);
   }
-  result.cpu_seconds = cpu_seconds() - before;
+  result.cpu_seconds = (process_cpu_us() - before) * 1e-6;
   result.memory_mb = peak_mb();
   return result;
 }

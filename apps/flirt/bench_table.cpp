@@ -94,7 +94,7 @@ void add_table(HtmlReport& report, const Table& table) {
 
 void write_table(const std::filesystem::path& folder, const Table& table) {
   value_or_quit(write_file_atomically(folder / (table.name + ".csv"), to_csv(table)));
-  value_or_quit(write_file_atomically(folder / (table.name + ".json"), to_json(table).dump(1) + "\n"));
+  value_or_quit(write_file_atomically(folder / (table.name + ".json"), json_text(to_json(table), 1)));
 }
 
 }  // namespace flirt::app

@@ -168,9 +168,10 @@ std::vector<DriveOutcome> all_outcomes(const BenchTrackingOptions& options, cons
 }
 
 int run(BenchTrackingOptions& options, const Session& session) {
+  options.localize.set_seed(session.seed);
   options.params.resolve(session.config);
   options.bench.seed = session.seed;
-  options.bench.tracker.localize = options.localize.localize(session.seed);
+  options.bench.tracker.localize = options.localize.localize();
   if (options.bench.tracker.localize.method == LocalizeMethod::papers) {
     throw UsageError("--method: expected auto, dense or features, found papers");
   }
@@ -197,7 +198,7 @@ int run(BenchTrackingOptions& options, const Session& session) {
   json.update(provenance());
   if (!options.out.empty()) {
     const std::filesystem::path out = value_or_quit(folder_for_results(options.out));
-    value_or_quit(write_file_atomically(out / "tracking.json", json.dump(2) + "\n"));
+    value_or_quit(write_file_atomically(out / "tracking.json", json_text(json)));
     value_or_quit(write_file_atomically(out / "drives.csv", drives_csv(outcomes, options.bench)));
     value_or_quit(write_file_atomically(out / "steps.csv", steps_csv(outcomes)));
   }

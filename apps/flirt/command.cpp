@@ -7,7 +7,9 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -27,8 +29,26 @@ CLI::App* add_command(CLI::App& program, Session& session, const std::string& na
   return command;
 }
 
+void check_numbers(CLI::App& program) {
+  const auto not_negative = [](const std::string& text) {
+    return text.starts_with('-') ? "expected a number of 0 or more, found " + text : std::string();
+  };
+  const auto finite = [](const std::string& text) {
+    return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "expected a finite number, found " + text;
+  };
+  for (CLI::Option* option : program.get_options()) {
+    if (option->get_type_name().starts_with("UINT")) { option->check(CLI::Validator(not_negative, "")); }
+    if (option->get_type_name().starts_with("FLOAT")) { option->check(CLI::Validator(finite, "")); }
+  }
+  for (CLI::App* command : program.get_subcommands({})) { check_numbers(*command); }
+}
+
+std::string json_text(const nlohmann::ordered_json& json, int indent) {
+  return json.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
 void write_json(const Session& session, const nlohmann::ordered_json& result) {
-  write_json_text(session, result.dump(2) + "\n");
+  write_json_text(session, json_text(result));
 }
 
 void write_json_text(const Session& session, const std::string& text) {

@@ -69,6 +69,12 @@ struct Session {
 CLI::App* add_command(CLI::App& program, Session& session, const std::string& name, const std::string& description,
                       const std::string& example);
 
+/// As all results are written: an end of line after it, and bytes that are no UTF-8 (in names of files) replaced.
+std::string json_text(const nlohmann::ordered_json& json, int indent = 2);
+/// Lets options that take numbers take nothing else: CLI11 reads -1 as 2^64 − 1, and nan as within every range. Call
+/// when all commands are added.
+void check_numbers(CLI::App& program);
+
 /// Writes `result` where --json says (file: atomically), two-space indented; nothing without --json.
 void write_json(const Session& session, const nlohmann::ordered_json& result);
 /// The same for text that is already formatted, for example JSON lines.

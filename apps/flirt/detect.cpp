@@ -1,4 +1,5 @@
 // apps/flirt/detect.cpp: `flirt detect`, keypoints and descriptors of the scans of a log.
+#include "flirt/core/stopwatch.hpp"
 #include "flirt/features/extract.hpp"
 #include "flirt/io/file.hpp"
 #include "flirt/io/log.hpp"
@@ -10,7 +11,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <memory>
 #include <optional>
@@ -37,10 +37,6 @@ struct ScanFeatures {
   double describe_us{0};
 };
 
-double microseconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
-}
-
 /// One per thread, so that memory is kept from scan to scan.
 struct Worker {
   Detector detector;
@@ -50,13 +46,12 @@ struct Worker {
 
   ScanFeatures extract(const ScanLog& log, std::size_t i) {
     ScanFeatures result{.scan = i};
-    const auto start = std::chrono::steady_clock::now();
+    Stopwatch stopwatch;
     const std::span<const Keypoint> keypoints = detector.detect(log.scans[i]);
-    result.detect_us = microseconds_since(start);
+    result.detect_us = stopwatch.lap_us();
     result.features.keypoints.assign(keypoints.begin(), keypoints.end());
-    const auto middle = std::chrono::steady_clock::now();
     result.features.descriptors = describer.describe(log.scans[i], result.features.keypoints);
-    result.describe_us = microseconds_since(middle);
+    result.describe_us = stopwatch.lap_us();
     return result;
   }
 };
@@ -106,7 +101,7 @@ std::string json_line(const ScanFeatures& result, const Scan& scan, const Featur
   for (std::size_t k = 0; k < result.features.keypoints.size(); ++k) {
     line["keypoints"].push_back(keypoint_json(result.features.keypoints[k], result.features.descriptors.row(k)));
   }
-  return line.dump() + "\n";
+  return json_text(line, -1);
 }
 
 void write_json_lines(const Session& session, const std::vector<ScanFeatures>& results, const ScanLog& log,
@@ -205,12 +200,12 @@ int run(const Session& session, const DetectOptions& options) {
         fmt::format("--scan: expected a scan of the log, 0 to {}, found {}", log.scans.size() - 1, *options.scan));
   }
   const std::vector<ScanFeatures> results = extract_all(options, session, log, params);
+  if (!options.svg.empty()) { write_figure(options, log, params); }
   if (session.talks()) {
     if (options.scan) { print_keypoints(results.front()); }
     print_summary(results, params);
   }
   write_json_lines(session, results, log, params);
-  if (!options.svg.empty()) { write_figure(options, log, params); }
   return exit_done;
 }
 
@@ -222,9 +217,11 @@ void add_detect(CLI::App& program, Session& session) {
                                   "flirt detect run.log.gz --scan 120 --svg scan120.svg --json scan120.jsonl");
   command->add_option("LOG", options->log, "log file")->required();
   command->add_option("--scan", options->scan, "index of one scan in the log (default: all)");
-  command->add_option("--svg", options->svg, "figure of that scan, or of the first");
-  command->add_option("--keypoint", options->keypoint,
-                      "index of the keypoint whose descriptor is drawn (default: the one with most returns around)");
+  CLI::Option* svg = command->add_option("--svg", options->svg, "figure of that scan, or of the first");
+  command
+      ->add_option("--keypoint", options->keypoint,
+                   "index of the keypoint whose descriptor is drawn (default: the one with most returns around)")
+      ->needs(svg);
   options->features.add(*command, options->params);
   session.on(command, [&session, options] { return run(session, *options); });
 }

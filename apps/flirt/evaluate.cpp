@@ -31,6 +31,7 @@ struct EvaluateOptions {
 
 void print_row(std::string_view name, const TrajectoryError& error) {
   const auto text = [](const ErrorSummary& e, std::string_view unit) {
+    if (e.count == 0) { return std::string("nothing to compare"); }
     return fmt::format("rmse {:.4f}  mean {:.4f} ± {:.4f}  median {:.4f}  max {:.4f} {}", e.rmse, e.mean, e.deviation,
                        e.median, e.max, unit);
   };
@@ -76,6 +77,10 @@ nlohmann::ordered_json against_relations(const EvaluateOptions& options, const S
                                          const std::vector<StampedPose>& estimate) {
   const std::vector<Relation> relations = value_or_quit(read_relations(options.relations));
   const RelationsError error = relations_error(estimate, relations, options.stamp_tolerance);
+  if (error.difference.translation.count == 0) {
+    throw BadInput(fmt::format("{}: expected relations between stamps of {} (within {} s), found none of them",
+                               options.relations, options.estimate, options.stamp_tolerance));
+  }
   if (session.talks()) { print_relations(error, "official"); }
   return relations_json(error, "official");
 }
@@ -99,6 +104,10 @@ ScanLog posed_scans(const EvaluateOptions& options, const Session& session, cons
 nlohmann::ordered_json without_truth(const EvaluateOptions& options, const Session& session,
                                      const std::vector<StampedPose>& estimate) {
   const ScanLog log = posed_scans(options, session, estimate);
+  if (log.scans.empty()) {
+    throw BadInput(fmt::format("{}: expected scans at the stamps of {} (within {} s), found none of them",
+                               options.scans, options.estimate, options.stamp_tolerance));
+  }
   const MapQuality quality = map_quality(log, log.map_from_robot, options.quality, session.threads);
   if (session.talks()) {
     fmt::print(
@@ -116,8 +125,8 @@ int run(EvaluateOptions& options, const Session& session) {
   if (options.truth.empty() && options.relations.empty() && options.scans.empty()) {
     throw UsageError("evaluate: expected --truth, --relations or --scans to evaluate against, found none");
   }
-  options.params.resolve(session.config);
   options.quality.seed = session.seed;
+  options.params.resolve(session.config);
   const std::vector<StampedPose> estimate = value_or_quit(read_trajectory(options.estimate));
   nlohmann::ordered_json json{
       {"estimate", options.estimate}, {"poses", estimate.size()}, {"stamp_tolerance_s", options.stamp_tolerance}};

@@ -163,6 +163,7 @@ nlohmann::ordered_json as_json(const InfoOptions& options, const LoadedLog& load
 }
 
 int run(const Session& session, const InfoOptions& options) {
+  ParamFlags().resolve(session.config);  // no key of a file is known here
   const LoadedLog loaded = value_or_quit(read_log(options.log, options.reading(), progress_bar(session, "reading")));
   const LogSummary summary = summarize(loaded.log);
   if (session.talks()) { print_text(options, loaded, summary); }

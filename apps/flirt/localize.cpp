@@ -187,8 +187,9 @@ int run_track(LocalizeOptions& options, const Session& session, const PlaceMap& 
 }
 
 int run(LocalizeOptions& options, const Session& session) {
+  options.flags.set_seed(session.seed);
   options.params.resolve(session.config);
-  options.localize = options.flags.localize(session.seed);
+  options.localize = options.flags.localize();
   const PlaceMap map = value_or_quit(read_place_map(options.map));
   check_options(options, map);
   const DrivenLog driven = with_odometry(value_or_quit(read_log(options.log, {}, progress_bar(session, "reading"))));

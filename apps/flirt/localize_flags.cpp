@@ -12,8 +12,10 @@ void LocalizeFlags::add(CLI::App& command, ParamFlags& params) {
                   "where candidate poses come from: dense search, votes of features, auto, or the papers' matching of "
                   "single scans (default auto)")
       ->check(CLI::IsMember(names));
-  command.add_option("--largest-dense", params_.largest_dense,
-                     "m² that a dense search may run over before auto asks the features (default 1000000)");
+  command
+      .add_option("--largest-dense", params_.largest_dense,
+                  "m² that a dense search may run over before auto asks the features (default 1000000)")
+      ->check(CLI::NonNegativeNumber);
   params.add(command, "fields", params_.fields);
   params.add(command, "search", params_.search);
   params.add(command, "landmarks", params_.landmarks);
@@ -23,12 +25,11 @@ void LocalizeFlags::add(CLI::App& command, ParamFlags& params) {
   params.add(command, "ransac", params_.papers.ransac);
 }
 
-LocalizeParams LocalizeFlags::localize(std::uint64_t seed) const {
+LocalizeParams LocalizeFlags::localize() const {
   LocalizeParams params = params_;
   for (const auto& [value, name] : enum_names(LocalizeMethod{})) {
     if (name == method_) { params.method = value; }
   }
-  params.papers.ransac.seed = seed;
   return params;
 }
 

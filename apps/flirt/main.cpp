@@ -4,6 +4,18 @@
 
 #include <cstdio>
 #include <exception>
+#include <new>
+
+namespace {
+
+/// The code, unless what was printed did not arrive.
+int after_printing(int code) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) { return code; }
+  std::fprintf(stderr, "flirt: stdout: expected to print, found it full or closed\n");
+  return flirt::app::exit_bad_input;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace flirt::app;  // NOLINT(google-build-using-namespace): every second word here is from there
@@ -23,8 +35,9 @@ int main(int argc, char** argv) {
     add_evaluate(program, session);
     add_convert(program, session);
     add_bench(program, session);
+    check_numbers(program);
     program.parse(argc, argv);
-    return session.run();
+    return after_printing(session.run());
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? exit_done : exit_usage;
   } catch (const UsageError& error) {
@@ -33,7 +46,12 @@ int main(int argc, char** argv) {
   } catch (const BadInput& error) {
     std::fprintf(stderr, "flirt: %s\n", error.what());
     return exit_bad_input;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr,
+                 "flirt: internal error: not enough memory (that of a map grows with the area that it spans)\n");
+    return exit_internal;
   } catch (const std::exception& error) {
+    if (std::ferror(stdout) != 0) { return after_printing(exit_internal); }  // fmt::print throws
     std::fprintf(stderr, "flirt: internal error: %s\n", error.what());
     return exit_internal;
   }

@@ -3,6 +3,8 @@
 #include "flirt/grid/evidence_grid.hpp"
 #include "flirt/io/occupancy_map.hpp"
 
+#include "apps/flirt/command.hpp"
+
 namespace flirt::app {
 namespace {
 
@@ -14,12 +16,14 @@ svg::Polylines line_of(const std::vector<Pose2>& poses, svg::Colour colour, std:
 
 }  // namespace
 
-GridMapImage map_of(const ScanLog& log, std::span<const Pose2> map_from_robot) {
+GridMapImage map_of(const ScanLog& log, std::span<const Pose2> map_from_robot, const std::string& name) {
   EvidenceGrid grid;
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
     grid.add(log.scans[i], map_from_robot[i] * log.scans[i].robot_from_sensor);
   }
-  return occupancy_map(grid, "map.pgm");
+  Result<GridMapImage> map = occupancy_map(grid, "map.pgm");
+  if (!map) { throw BadInput(name + ": " + map.error().message); }
+  return *std::move(map);
 }
 
 std::string map_picture(const GridMapImage& map, const MapOverlay& overlay) {

@@ -13,8 +13,8 @@
 
 namespace flirt::app {
 
-/// Black: occupied. White: free. Grey: never seen.
-GridMapImage map_of(const ScanLog& log, std::span<const Pose2> map_from_robot);
+/// Black: occupied. White: free. Grey: never seen. Ends the command when the scans lie too far apart for one image.
+GridMapImage map_of(const ScanLog& log, std::span<const Pose2> map_from_robot, const std::string& name);
 
 /// What is drawn over the map.
 struct MapOverlay {

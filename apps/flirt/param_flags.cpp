@@ -1,5 +1,7 @@
 #include "apps/flirt/param_flags.hpp"
 
+#include "flirt/io/file.hpp"
+
 #include "apps/flirt/command.hpp"
 
 #include <toml++/toml.h>
@@ -22,9 +24,10 @@ std::string number_text(double value) {
   return text.str();
 }
 
-/// The value of a TOML node in the form in which a flag would give it.
-std::string node_text(const toml::node& node) {
-  if (const auto* text = node.as_string()) { return text->get(); }
+/// The value of a TOML node in the form in which a flag would give it; a string stays in its quotes where it is none.
+std::string node_text(const toml::node& node, const ParamField& field) {
+  if (const auto* text = node.as_string(); text != nullptr && field.get().is_string()) { return text->get(); }
+  if (const auto* number = node.as_integer()) { return std::to_string(number->get()); }  // 0x10 is 16
   std::ostringstream out;
   node.visit([&out](const auto& value) { out << value; });
   return out.str();
@@ -35,8 +38,9 @@ std::string location(const std::string& file, const toml::source_region& source)
 }
 
 toml::table parse_file(const std::string& file) {
+  const std::string text = value_or_quit(read_file(file));
   try {
-    return toml::parse_file(file);
+    return toml::parse(text, file);
   } catch (const toml::parse_error& error) {
     throw BadInput(location(file, error.source()) + std::string(error.description()));
   }
@@ -110,6 +114,10 @@ void ParamFlags::resolve(const std::string& config) const {
         throw BadInput(location(config, node.source()) + "expected a table like [ransac], found the key '" +
                        std::string(group.str()) + "'");
       }
+      if (std::ranges::find(fields_, group.str(), &ParamField::group) == fields_.end()) {
+        throw BadInput(location(config, node.source()) + "expected parameters of this command, found the table [" +
+                       std::string(group.str()) + "]");
+      }
       for (const auto& [key, value] : *table) {
         const auto match = std::find_if(fields_.begin(), fields_.end(), [&](const auto& field) {
           return field->group == group.str() && field->name == key.str();
@@ -119,7 +127,7 @@ void ParamFlags::resolve(const std::string& config) const {
                          std::string(group.str()) + "." + std::string(key.str()) + "'");
         }
         try {
-          (*match)->set(node_text(value));
+          (*match)->set(node_text(value, **match));
         } catch (const UsageError& error) { throw BadInput(location(config, value.source()) + error.what()); }
       }
     }

@@ -166,12 +166,11 @@ int run(const Session& session, SimulateOptions& options) {
   const double seconds = std::chrono::duration<double>(Clock::now() - measuring_since.value_or(Clock::now())).count();
   const double scans_per_second = seconds > 0 ? static_cast<double>(scans) / seconds : 0.0;
 
+  const std::string drawing = options.svg.empty() ? "" : svg::to_svg(picture(options, simulation));
   const std::string truth = options.truth.empty() ? options.out + ".truth.tum" : options.truth;
   value_or_quit(write_carmen(options.out, log_to_write(simulation, options.output.poses)));
   value_or_quit(write_tum(truth, truth_of(simulation.log)));
-  if (!options.svg.empty()) {
-    value_or_quit(write_file_atomically(options.svg, svg::to_svg(picture(options, simulation))));
-  }
+  if (!options.svg.empty()) { value_or_quit(write_file_atomically(options.svg, drawing)); }
   if (session.talks()) {
     std::puts(fmt::format("{}: {} scans of {} beams in {} rounds, {:.0f} scans/s\n{}: the true poses", options.out,
                           scans, options.simulate.lidar.beams, simulation.round_begin.size(), scans_per_second, truth)
@@ -206,10 +205,10 @@ void add_simulate(CLI::App& program, Session& session) {
           "FILE.yaml, or an image")
       ->capture_default_str();
   command->add_option("--resolution", options->resolution, "m per pixel of an image without YAML");
-  command->add_option("--people", options->people, "the same as --people-count");
+  command->add_option("--people", options->people, "the same as --people-count")->check(CLI::Range(0U, 100000U));
   command->add_option("--rounds", options->rounds, "the same as --drive-rounds")->check(CLI::Range(1U, 1000U));
-  command->add_option("--svg", options->svg, "picture of the plan and the way");
-  command->add_option("--svg-scan", options->svg_scan, "draw this scan, and the plan around it");
+  CLI::Option* svg = command->add_option("--svg", options->svg, "picture of the plan and the way");
+  command->add_option("--svg-scan", options->svg_scan, "draw this scan, and the plan around it")->needs(svg);
   options->params.add(*command, "office", options->office);
   options->params.add(*command, "corridors", options->corridors);
   options->params.add(*command, "tunnel", options->tunnel);

@@ -1,6 +1,7 @@
 // apps/flirt/slam.cpp: `flirt slam`, a consistent map from any log.
 #include "flirt/slam/slam.hpp"
 
+#include "flirt/core/stopwatch.hpp"
 #include "flirt/io/flirt_map.hpp"
 #include "flirt/io/g2o.hpp"
 #include "flirt/io/log.hpp"
@@ -12,9 +13,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace flirt::app {
@@ -24,7 +25,7 @@ struct SlamOptions {
   std::string log;
   std::string out;
   bool no_odometry{false};
-  std::string window;
+  std::optional<std::uint32_t> window;
   std::string front_end;
   std::string resume;
   std::size_t every{1};
@@ -35,7 +36,7 @@ struct SlamOptions {
 /// The short flags say the same as --slam-odometry, --slam-window and --slam-front-end, and win over a file.
 void apply_short_flags(SlamOptions& options) {
   if (options.no_odometry) { options.slam.odometry = OdometryUse::ignore; }
-  if (!options.window.empty()) { options.slam.window = static_cast<std::uint32_t>(std::stoul(options.window)); }
+  if (options.window) { options.slam.window = *options.window; }
   for (const auto& [kind, name] : enum_names(FrontEndKind{})) {
     if (name == options.front_end) { options.slam.front_end = kind; }
   }
@@ -103,7 +104,6 @@ EarlierMap read_earlier(const std::string& folder) {
 }
 
 SlamRun map_log(const SlamOptions& options, const ScanLog& log, const EarlierMap& earlier, const Session& session) {
-  using Clock = std::chrono::steady_clock;
   SlamRun run{.log = options.log,
               .odometry = odometry_use(options, log),
               .front_end = name_of(options.slam.front_end),
@@ -115,9 +115,9 @@ SlamRun map_log(const SlamOptions& options, const ScanLog& log, const EarlierMap
   const Progress progress = progress_bar(session, "mapping");
   Slam slam(options.slam);
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
-    const auto begin = Clock::now();
+    Stopwatch stopwatch;
     slam.add(log.scans[i]);
-    run.latency_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
+    run.latency_ms.push_back(stopwatch.lap_us() * 1e-3);
     if (progress) { progress(static_cast<double>(i + 1) / static_cast<double>(log.scans.size())); }
   }
   if (!earlier.scans.empty()) {

@@ -130,21 +130,22 @@ nlohmann::ordered_json slam_json(const SlamRun& run) {
 
 void write_slam_outputs(const std::filesystem::path& folder, const SlamRun& run, ScanLog log, const Session& session) {
   const std::vector<StampedPose> poses = trajectory(run, log);
+  log.map_from_robot = run.graph.map_from_node;
+  const GridMapImage map = map_of(log, log.map_from_robot, run.log);
+  const Result<PlaceMap> places = build_place_map(log, {}, session.threads, progress_bar(session, "features"));
+  if (!places) { throw BadInput(run.log + ": " + places.error().message); }
+  const std::string page = report(run, map);
   value_or_quit(write_tum(folder / "trajectory.tum", poses));
   if (run.join) {
     const auto first = poses.begin() + static_cast<std::ptrdiff_t>(run.earlier_scans);
     value_or_quit(write_tum(folder / "session.tum", {first, poses.end()}));
   }
   value_or_quit(write_g2o(folder / "graph.g2o", run.graph));
-  log.map_from_robot = run.graph.map_from_node;
-  const GridMapImage map = map_of(log, run.graph.map_from_node);
   value_or_quit(write_grid_map(folder / "map.yaml", map));
   value_or_quit(write_grey_image(folder / "map.png", map.image));
-  const Result<PlaceMap> places = build_place_map(log, {}, session.threads, progress_bar(session, "features"));
-  if (!places) { throw BadInput(run.log + ": " + places.error().message); }
   value_or_quit(write_place_map(folder / "map.flirt", *places));
-  value_or_quit(write_file_atomically(folder / "report.html", report(run, map)));
-  value_or_quit(write_file_atomically(folder / "summary.json", slam_json(run).dump(2) + "\n"));
+  value_or_quit(write_file_atomically(folder / "report.html", page));
+  value_or_quit(write_file_atomically(folder / "summary.json", json_text(slam_json(run))));
 }
 
 }  // namespace flirt::app

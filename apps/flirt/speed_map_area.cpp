@@ -1,5 +1,6 @@
 // apps/flirt/speed_map_area.cpp: localization of single scans in simulated offices from a floor to a whole campus.
 #include "flirt/core/rng.hpp"
+#include "flirt/eval/cpu_time.hpp"
 #include "flirt/eval/statistics.hpp"
 #include "flirt/map/localize.hpp"
 #include "flirt/map/place_map.hpp"
@@ -73,12 +74,12 @@ double seen_area(const EvidenceGrid& grid) {
 /// What building takes: columns that all methods share.
 nlohmann::ordered_json map_columns(double area, const PlaceMap& map) {
   constexpr double megabyte = 1e6;
-  double start = cpu_us();
+  double start = process_cpu_us();
   const MapFields fields = map_fields(map.evidence());
-  const double fields_us = cpu_us() - start;
-  start = cpu_us();
+  const double fields_us = process_cpu_us() - start;
+  start = process_cpu_us();
   const Landmarks landmarks(map, {});
-  const double landmarks_us = cpu_us() - start;
+  const double landmarks_us = process_cpu_us() - start;
   return {{"floor_m2", area},
           {"seen_m2", seen_area(map.evidence())},
           {"map_scans", map.size()},
@@ -98,9 +99,9 @@ void add_answers(nlohmann::ordered_json& row, const PlaceMap& map, std::span<con
   Rate right;
   Rate unique_right;
   for (const Question& question : questions) {
-    const double start = cpu_us();
+    const double start = process_cpu_us();
     const LocalizationResult result = localizer.localize(question.scan);
-    times_ms.push_back((cpu_us() - start) * 1e-3);
+    times_ms.push_back((process_cpu_us() - start) * 1e-3);
     const PoseHypothesis* const best = result.best();
     const bool is_right =
         best != nullptr && distance(best->map_from_sensor, question.map_from_sensor) <= 0.5 &&

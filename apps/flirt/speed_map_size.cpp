@@ -1,5 +1,6 @@
 // apps/flirt/speed_map_size.cpp: one scan against maps of thousands of scans: a log's scans tiled to far places.
 #include "flirt/core/rng.hpp"
+#include "flirt/eval/cpu_time.hpp"
 #include "flirt/eval/statistics.hpp"
 #include "flirt/map/place_map.hpp"
 #include "flirt/map/solution_set.hpp"
@@ -82,15 +83,15 @@ BuiltMap map_of(const Tiling& tiling, std::size_t size, const Session& session) 
   double features_us = 0;
   for (std::size_t i = 0; i < size; ++i) {
     const Scan scan = tile_scan(tiling, i, session.seed);
-    const double start = cpu_us();
+    const double start = process_cpu_us();
     const Features features = extractor.extract(scan);
     builder.add(scan, tiling.map_from_sensor(i), features);
-    features_us += cpu_us() - start;
+    features_us += process_cpu_us() - start;
     if (progress && i % 256 == 0) { progress(static_cast<double>(i) / static_cast<double>(size)); }
   }
-  const double start = cpu_us();
+  const double start = process_cpu_us();
   PlaceMap map = std::move(builder).build();
-  const double evidence_s = (cpu_us() - start) * 1e-6;
+  const double evidence_s = (process_cpu_us() - start) * 1e-6;
   if (progress) { progress(1.0); }
   return {std::move(map), features_us * 1e-6, evidence_s};
 }
@@ -127,9 +128,9 @@ template <class Find>
 Answers ask(const std::vector<SizeQuestion>& questions, const Find& find) {
   Answers answers;
   for (const SizeQuestion& question : questions) {
-    const double start = cpu_us();
+    const double start = process_cpu_us();
     const SolutionSet found = find(question.features);
-    answers.times_ms.push_back((cpu_us() - start) * 1e-3);
+    answers.times_ms.push_back((process_cpu_us() - start) * 1e-3);
     const Hypothesis* const best = found.best();
     answers.poses.push_back(best == nullptr ? Answer() : Answer(best->map_from_sensor));
   }
@@ -171,10 +172,10 @@ void add_size(const Tiling& tiling, std::size_t size, const SpeedOptions& option
   add_answers(row, questions, exact, exact, tiling.side);
   rows.push_back(std::move(row));
 
-  const double start = cpu_us();
+  const double start = process_cpu_us();
   const WordIndex index(built.map);
   words_row["method"] = "words";
-  words_row["index_s"] = (cpu_us() - start) * 1e-6;
+  words_row["index_s"] = (process_cpu_us() - start) * 1e-6;
   words_row["index_mb"] = static_cast<double>(index.bytes()) * 1e-6;
   const Answers quick =
       ask(questions, [&](const Features& features) { return finder.find_among(features, index.most_alike(features)); });

@@ -29,9 +29,6 @@ struct SpeedSection {
   svg::Figure figure{};
 };
 
-/// CPU time of this process, µs: what one thread takes, whatever else runs on the machine.
-[[nodiscard]] double cpu_us();
-
 /// Each stage for one scan, beside the targets.
 [[nodiscard]] SpeedSection speed_stages(const SpeedOptions& options, const Session& session);
 

@@ -1,9 +1,11 @@
 // apps/flirt/speed_stages.cpp: what each stage takes for one scan: detect, describe, a pair alone, a pair within a
 // query.
+#include "flirt/eval/cpu_time.hpp"
 #include "flirt/eval/statistics.hpp"
 #include "flirt/features/extract.hpp"
 #include "flirt/map/place_map.hpp"
 #include "flirt/map/solution_set.hpp"
+#include "flirt/match/feature_table.hpp"
 #include "flirt/match/pair_matcher.hpp"
 
 #include "apps/flirt/speed_log.hpp"
@@ -32,33 +34,24 @@ Times timed(std::size_t count, const Pass& pass) {
   pass();  // allocates
   std::vector<double> times;
   for (std::size_t i = 0; i < passes; ++i) {
-    const double start = cpu_us();
+    const double start = process_cpu_us();
     pass();
-    times.push_back((cpu_us() - start) / static_cast<double>(count));
+    times.push_back((process_cpu_us() - start) / static_cast<double>(count));
   }
   return {std::ranges::min(times), quantile(times, 0.5)};
 }
 
-struct Described {
-  Features features;
-  KeypointTable table;
-
-  [[nodiscard]] FeatureColumns columns() const { return {table.columns(), rows_of(features.descriptors)}; }
-};
-
 /// A scan with its features.
 struct Sample {
   const Scan* scan;
-  Described described;
+  FeatureTable table;
 };
 
 std::vector<Sample> samples_of(const ScanLog& log) {
   FeatureExtractor extractor;
   std::vector<Sample> samples;
   for (const std::size_t i : spread_evenly(log.scans.size(), scans_in_a_pass)) {
-    Features features = extractor.extract(log.scans[i]);
-    KeypointTable table = table_of(features.keypoints);
-    samples.push_back({&log.scans[i], {std::move(features), std::move(table)}});
+    samples.push_back({&log.scans[i], feature_table(extractor.extract(log.scans[i]))});
   }
   return samples;
 }
@@ -102,11 +95,9 @@ void add_features(const std::vector<Sample>& samples, StageTable& table) {
 
   Describer describer{DescriptorParams{}};
   std::size_t keypoints = 0;
-  for (const Sample& sample : samples) { keypoints += sample.described.features.keypoints.size(); }
+  for (const Sample& sample : samples) { keypoints += sample.table.features.keypoints.size(); }
   const auto describe_all = [&] {
-    for (const Sample& sample : samples) {
-      (void)describer.describe(*sample.scan, sample.described.features.keypoints);
-    }
+    for (const Sample& sample : samples) { (void)describer.describe(*sample.scan, sample.table.features.keypoints); }
   };
   const Times a_keypoint = timed(std::max<std::size_t>(keypoints, 1), describe_all);
   table.add("describe 24 keypoints", "us", {24 * a_keypoint.least, 24 * a_keypoint.median}, 60.0);
@@ -118,8 +109,8 @@ void add_pair_alone(const std::vector<Sample>& samples, StageTable& table) {
   const auto match_all = [&] {
     for (const Sample& query : samples) {
       for (const Sample& reference : samples) {
-        matcher.set_query(query.described.columns());
-        (void)matcher.align(reference.described.columns());
+        matcher.set_query(query.table.columns());
+        (void)matcher.align(reference.table.columns());
       }
     }
   };
@@ -134,7 +125,7 @@ void add_query(const ScanLog& log, const std::vector<Sample>& samples, StageTabl
   const std::size_t queries = std::min<std::size_t>(samples.size(), 16);
   const auto find_all = [&] {
     for (std::size_t i = 0; i < queries; ++i) {
-      (void)finder.find(samples[i * samples.size() / queries].described.features);
+      (void)finder.find(samples[i * samples.size() / queries].table.features);
     }
   };
   const Times query = timed(queries, find_all);

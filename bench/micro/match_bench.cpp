@@ -1,6 +1,7 @@
 // Time of one pair of scans: candidates and alignment. All pairs of the chosen scans in turn, as against a map: few of
 // them belong together.
 #include "flirt/features/extract.hpp"
+#include "flirt/match/feature_table.hpp"
 #include "flirt/match/pair_matcher.hpp"
 
 #include "bench/micro/scans.hpp"
@@ -13,27 +14,16 @@
 namespace flirt::bench {
 namespace {
 
-struct ScanFeatures {
-  Features features;
-  KeypointTable table;
-
-  [[nodiscard]] FeatureColumns columns() const { return {table.columns(), rows_of(features.descriptors)}; }
-};
-
-std::vector<ScanFeatures> features_of(const std::vector<Scan>& scans) {
-  std::vector<ScanFeatures> all;
+std::vector<FeatureTable> features_of(const std::vector<Scan>& scans) {
+  std::vector<FeatureTable> all;
   all.reserve(scans.size());
-  for (const Scan& scan : scans) {
-    Features features = extract(scan);
-    KeypointTable table = table_of(features.keypoints);
-    all.push_back({std::move(features), std::move(table)});
-  }
+  for (const Scan& scan : scans) { all.push_back(feature_table(extract(scan))); }
   return all;
 }
 
 /// Goes through all ordered pairs, query by query; `one_pair` is timed with setting the query where it changes.
 template <class SetQuery, class OnePair>
-void run_pairs(benchmark::State& state, const std::vector<ScanFeatures>& all, const SetQuery& set_query,
+void run_pairs(benchmark::State& state, const std::vector<FeatureTable>& all, const SetQuery& set_query,
                const OnePair& one_pair) {
   std::size_t query = 0;
   std::size_t reference = 0;
@@ -46,12 +36,12 @@ void run_pairs(benchmark::State& state, const std::vector<ScanFeatures>& all, co
     }
   }
   double keypoints = 0;
-  for (const ScanFeatures& scan : all) { keypoints += static_cast<double>(scan.features.keypoints.size()); }
+  for (const FeatureTable& scan : all) { keypoints += static_cast<double>(scan.features.keypoints.size()); }
   state.counters["keypoints"] = keypoints / static_cast<double>(all.size());
 }
 
 void run_candidates(benchmark::State& state, Source source) {
-  const std::vector<ScanFeatures> all = features_of(scans_of(source));
+  const std::vector<FeatureTable> all = features_of(scans_of(source));
   if (all.empty()) { return state.SkipWithError("the log is absent"); }
   Matcher matcher;
   run_pairs(
@@ -60,7 +50,7 @@ void run_candidates(benchmark::State& state, Source source) {
 }
 
 void run_match_pair(benchmark::State& state, Source source) {
-  const std::vector<ScanFeatures> all = features_of(scans_of(source));
+  const std::vector<FeatureTable> all = features_of(scans_of(source));
   if (all.empty()) { return state.SkipWithError("the log is absent"); }
   PairMatcher matcher;
   run_pairs(

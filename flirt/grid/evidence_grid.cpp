@@ -97,7 +97,7 @@ const EvidenceGrid::Tile* EvidenceGrid::find(CellIndex index) const {
 
 template <EvidenceGrid::Change change>
 void EvidenceGrid::count_beams(const Scan& scan, const Pose2& map_from_sensor) {
-  FLIRT_ASSERT(is_finite(map_from_sensor) && norm(map_from_sensor.translation()) <= 1e7);
+  FLIRT_ASSERT(is_finite(map_from_sensor) && norm(map_from_sensor.translation()) <= 2.1e7);  // in 32 bits of 1 cm
   const Fan fan = beam_fan(scan, map_from_sensor, params_);
   const CellBox box = tile_box(fan);
   const std::size_t width = box.width();

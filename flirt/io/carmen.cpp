@@ -79,8 +79,8 @@ Result<Use> take_parameter(Gathered& gathered, std::string_view fields) {
     if (name != known_name) { continue; }
     const std::string_view word = words.next();
     *value = number_from<double>(word);
-    if (!*value || !std::isfinite(**value)) {
-      return fail("expected a finite number for " + std::string(name) + ", found " + in_quotes(word));
+    if (!*value || !(std::abs(**value) <= 1000)) {  // m
+      return fail("expected a number within 1000 for " + std::string(name) + ", found " + in_quotes(word));
     }
     return Use::used;
   }

@@ -12,6 +12,8 @@
 namespace flirt::carmen {
 namespace {
 
+constexpr double farthest_laser = 1000;  // m, from its robot
+
 /// Reads one field after the other; keeps the first complaint and then answers zeros.
 class FieldReader {
  public:
@@ -48,8 +50,10 @@ class FieldReader {
     return complaint_.empty() ? static_cast<std::size_t>(*value) : 0;
   }
   Pose2 pose(std::string_view name) {
+    const std::string_view words = words_.rest();
     const double x = finite(name);
     const double y = finite(name);
+    if (std::hypot(x, y) > farthest_pose) { complain("a place within 10 000 km for ", name, words); }
     return {x, y, wrap_angle(finite(name))};
   }
   std::string_view word(std::string_view name) {
@@ -113,7 +117,8 @@ void read_configured_ranges(FieldReader& fields, ScanLine& line) {
   fields.number("the field of view");
   line.beams.angle_step = fields.finite("the angular step");
   const double declared_max = fields.number("the longest range");
-  line.beams.range_max = declared_max > 0 ? declared_max : 0.0;  // NaN and nonsense: not declared
+  line.beams.range_max =
+      declared_max > 0 && std::isfinite(declared_max) ? declared_max : 0.0;  // nonsense: not declared
   fields.number("the accuracy");
   fields.number("the remission mode");
   line.ranges = read_ranges(fields);
@@ -165,6 +170,9 @@ Result<ScanLine> parse_scan(std::string_view text, Layout layout) {
     if (layout == Layout::robotlaser) {
       line.first_pose = fields.pose("the laser's pose");
       line.second_pose = fields.pose("the robot's pose");
+      if (const double apart = distance(*line.first_pose, *line.second_pose); apart > farthest_laser) {
+        fields.complain("the laser within 1 km of ", "the robot", std::to_string(apart) + " m");
+      }
       fields.skip_numbers(5, "a velocity or safety distance");
     }
   }

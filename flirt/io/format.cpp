@@ -48,8 +48,7 @@ Result<FileFormat> format_of(const std::filesystem::path& path) {
 }
 
 std::optional<FileFormat> format_by_name(const std::filesystem::path& path) {
-  const std::filesystem::path name = path.extension() == ".gz" ? path.stem() : path;
-  const std::string end = name.extension().string();
+  const std::string end = path.extension().string();
   if (is_of(end, {".log", ".clf", ".carmen"})) { return FileFormat::carmen; }
   if (end == ".tum") { return FileFormat::tum; }
   if (end == ".g2o") { return FileFormat::g2o; }

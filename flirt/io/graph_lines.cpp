@@ -33,6 +33,7 @@ class Fields {
   Pose2 pose() {
     const double x = number();
     const double y = number();
+    if (std::hypot(x, y) > farthest_pose) { complain("expected a place within 10 000 km, found one farther away"); }
     return {x, y, wrap_angle(number())};
   }
   [[nodiscard]] bool at_end() { return words_.rest().empty(); }

@@ -11,6 +11,7 @@ constexpr std::uint8_t occupied_pixel = 60;   // probability .76: occupied to a 
 constexpr std::uint8_t hit_once_pixel = 115;  // .55: unknown to a map_server
 constexpr std::uint8_t free_pixel = 254;
 constexpr std::uint8_t unknown_pixel = 205;
+constexpr std::size_t most_cells = std::size_t{1} << 30U;
 
 /// Smallest box around the cells that were seen; nothing for an empty grid.
 std::optional<CellBox> seen_box(const EvidenceGrid& grid) {
@@ -36,7 +37,7 @@ std::uint8_t pixel(const EvidenceCell& cell) {
 
 }  // namespace
 
-GridMapImage occupancy_map(const EvidenceGrid& grid, const std::string& image_name) {
+Result<GridMapImage> occupancy_map(const EvidenceGrid& grid, const std::string& image_name) {
   GridMapImage map;
   map.metadata.image = image_name;
   map.metadata.resolution = grid.params().cell_size;
@@ -44,6 +45,10 @@ GridMapImage occupancy_map(const EvidenceGrid& grid, const std::string& image_na
   if (!box) {
     map.image = {1, 1, {unknown_pixel}};
     return map;
+  }
+  if (box->width() > most_cells / box->height()) {
+    return fail("expected scans near each other, found a map of " + std::to_string(box->width()) + " x " +
+                std::to_string(box->height()) + " cells");
   }
   map.metadata.origin = {box->min.x * grid.params().cell_size, box->min.y * grid.params().cell_size, 0};
   map.image = {box->width(), box->height(), std::vector<std::uint8_t>(box->width() * box->height(), unknown_pixel)};

@@ -1,6 +1,7 @@
 // flirt/io/occupancy_map.hpp: the grid map that navigation loads, from accumulated evidence.
 #pragma once
 
+#include "flirt/core/result.hpp"
 #include "flirt/grid/evidence_grid.hpp"
 #include "flirt/io/ros_map.hpp"
 
@@ -14,7 +15,8 @@ namespace flirt {
 /// others (legs of tables, doors that stood open at times) dark grey (60), which `place_map_from_grid` tells apart.
 /// Cells that one beam ended in and five or fewer crossed are grey (115): unknown to map_server, since the reading may
 /// be stray, but in a building seen once in passing many walls consist of them. Cropped to what was seen; one unknown
-/// pixel for an empty grid. `image_name` goes into the metadata. O(cells of the box).
-[[nodiscard]] GridMapImage occupancy_map(const EvidenceGrid& grid, const std::string& image_name);
+/// pixel for an empty grid. `image_name` goes into the metadata. Error: more than 2^30 cells in the box, of scans that
+/// lie far apart. O(cells of the box).
+[[nodiscard]] Result<GridMapImage> occupancy_map(const EvidenceGrid& grid, const std::string& image_name);
 
 }  // namespace flirt

@@ -20,6 +20,9 @@ Result<Relation> parse_line(std::string_view line) {
     field = *number;
   }
   if (!words.rest().empty()) { return fail("expected 8 numbers, found more: " + in_quotes(words.rest())); }
+  if (std::hypot(fields[2], fields[3]) > farthest_pose) {
+    return fail("expected a motion of less than 10 000 km, found more");
+  }
   return Relation{fields[0], fields[1], {fields[2], fields[3], wrap_angle(fields[7])}};
 }
 

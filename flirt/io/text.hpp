@@ -59,6 +59,10 @@ void append_number(std::string& text, Number number) {
   text.append(buffer.data(), result.ptr);
 }
 
+/// How far a pose in a file may lie from the origin, m: a quarter of the way around the earth. Farther ones are broken,
+/// and would not fit the grids.
+inline constexpr double farthest_pose = 1e7;
+
 /// A word as it stands in a message: in quotes, cut when long, without control characters.
 [[nodiscard]] inline std::string in_quotes(std::string_view word) {
   constexpr std::size_t longest = 40;

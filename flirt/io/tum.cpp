@@ -25,6 +25,9 @@ Result<StampedPose> parse_line(std::string_view line) {
   if (std::abs(length - 1.0) > 0.01) {
     return fail("expected a quaternion of length 1, found one of length " + std::to_string(length));
   }
+  if (std::hypot(x, y) > farthest_pose) {
+    return fail("expected a place within 10 000 km of the origin, found one farther away");
+  }
   const double heading = std::atan2(2 * (qw * qz + qx * qy), qw * qw + qx * qx - qy * qy - qz * qz);
   return StampedPose{stamp, {x, y, wrap_angle(heading)}};
 }

@@ -181,9 +181,10 @@ Landmarks::Landmarks(const PlaceMap& map, const LandmarkParams& params, ScanInte
     const FeatureColumns features = map.features(scan);
     const KeypointColumns& at = features.keypoints;
     for (std::size_t k = 0; k < at.size(); ++k) {
-      if (at.x[k] >= out_of_sight) { continue; }
-      merger.add(map.map_from_sensor(scan) * Pose2{at.x[k], at.y[k], at.theta[k]},
-                 features.descriptors.rows + k * stride_, features.descriptors.roots + k * stride_);
+      const Pose2 sensor_from_keypoint{at.x[k], at.y[k], at.theta[k]};
+      if (!is_usable(sensor_from_keypoint)) { continue; }
+      merger.add(map.map_from_sensor(scan) * sensor_from_keypoint, features.descriptors.rows + k * stride_,
+                 features.descriptors.roots + k * stride_);
     }
   }
 }

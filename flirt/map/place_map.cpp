@@ -50,10 +50,16 @@ std::string wrong_begins(std::string_view name, std::span<const std::uint64_t> b
   return "column " + std::string(name) + ": expected ascending from 0 to " + std::to_string(items);
 }
 
+/// Whether a grid can hold what is seen from there: finite, and within 10 000 km of the map's origin.
+bool is_place(const Pose2& pose) {
+  constexpr double farthest = 1e7;
+  return is_finite(pose) && norm(pose.translation()) <= farthest;
+}
+
 std::string wrong_poses(std::string_view name, std::span<const Pose2> poses) {
-  const auto bad = std::find_if_not(poses.begin(), poses.end(), [](const Pose2& pose) { return is_finite(pose); });
+  const auto bad = std::ranges::find_if_not(poses, is_place);
   if (bad == poses.end()) { return {}; }
-  return "column " + std::string(name) + ": expected finite poses, found another at " +
+  return "column " + std::string(name) + ": expected finite poses within 10 000 km, found another at " +
          std::to_string(bad - poses.begin());
 }
 
@@ -115,9 +121,6 @@ void append(MapVector<T>& column, const std::vector<T>& values) {
   column.insert(column.end(), values.begin(), values.end());
 }
 
-/// Poses farther from the map's origin would not fit the evidence grid, m.
-constexpr double farthest = 1e7;
-
 /// What keeps a log from being a map; empty when nothing does.
 std::string wrong_log(const ScanLog& log) {
   if (log.map_from_robot.size() != log.scans.size()) {
@@ -125,8 +128,7 @@ std::string wrong_log(const ScanLog& log) {
            std::to_string(log.map_from_robot.size());
   }
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
-    const Pose2 pose = log.map_from_sensor(i);
-    if (!is_finite(pose) || norm(pose.translation()) > farthest) {
+    if (!is_place(log.map_from_sensor(i))) {
       return "expected a finite pose within 10 000 km of the map's origin for scan " + std::to_string(i) +
              ", found none";
     }

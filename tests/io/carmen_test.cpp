@@ -1,16 +1,13 @@
 #include "flirt/io/carmen.hpp"
 
-#include "flirt/core/rng.hpp"
-
+#include "tests/io/carmen_text.hpp"
 #include "tests/io/gzip.hpp"
 #include "tests/support/numbers.hpp"
-#include "tests/support/temporary.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <ostream>
 #include <string>
@@ -20,44 +17,8 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::Not;
 using testing::Pair;
 using testing::UnorderedElementsAre;
-
-constexpr ReadOptions lenient{.broken_lines = BrokenLines::lenient};
-
-Result<LoadedLog> read_text(std::string_view text, const ReadOptions& options = {}) {
-  const TemporaryFolder folder;
-  return read_log(folder.file("test.log", text), options);
-}
-
-std::string error_of(std::string_view text, const ReadOptions& options = {}) {
-  const auto loaded = read_text(text, options);
-  return loaded ? "no error" : loaded.error().message;
-}
-
-std::string repeated(std::string_view word, std::size_t n) {
-  std::string text;
-  for (std::size_t i = 0; i < n; ++i) { text.append(" ").append(word); }
-  return text;
-}
-
-/// A FLASER line of n equal ranges.
-std::string flaser(std::size_t n, std::string_view poses = "1 2 0.5 1 2 0.5", std::string_view stamp = "7.25",
-                   std::string_view range = "1.5") {
-  return "FLASER " + std::to_string(n) + repeated(range, n) + ' ' + std::string(poses) + ' ' + std::string(stamp) +
-         " host 0.5\n";
-}
-
-std::string robotlaser(std::string_view ranges = "3 1 2 3", std::string_view poses = "1.5 2 0 1 2 0",
-                       std::string_view head = "0 -1.5 3.0 0.5 40") {
-  return "ROBOTLASER1 " + std::string(head) + " 0.1 0 " + std::string(ranges) + " 0 " + std::string(poses) +
-         " 0 0 0 0 0 7.25 host 0.5\n";
-}
-
-std::string rawlaser(std::string_view stamp = "7.25", std::string_view kind = "RAWLASER1") {
-  return std::string(kind) + " 0 -1.5 3.0 0.5 40 0.1 0 3 1 2 3 0 " + std::string(stamp) + " host 0.5\n";
-}
 
 Beams beams_of(std::size_t n) {
   return read_text(flaser(n)).value().log.scans[0].beams;
@@ -145,12 +106,6 @@ TEST(Carmen, PrefersTheDeclaredLongestRangeAndTheCallersAboveAll) {
 }
 
 // --- Poses and the laser on the robot --------------------------------------------------------------------------------
-
-void expect_pose(const Pose2& found, const Pose2& expected) {
-  EXPECT_NEAR(found.x, expected.x, 1e-9);
-  EXPECT_NEAR(found.y, expected.y, 1e-9);
-  EXPECT_NEAR(heading_difference(found, expected), 0, 1e-9);
-}
 
 TEST(Carmen, ReadsLaserAndRobotOfRobotlaserAsOdometry) {
   const LoadedLog loaded = read_text(robotlaser("3 1 2 3", "1 2.78 1.5707963267948966 1 2 1.5707963267948966")).value();
@@ -330,221 +285,6 @@ TEST(Carmen, ReadsTheFirstKindOfScanLinesUnlessToldOtherwise) {
   EXPECT_THAT(loaded.report.lines_skipped, UnorderedElementsAre(Pair("RAWLASER1", 2)));
   EXPECT_THAT(error_of(text, {.message = "RAWLASER2"}),
               HasSubstr("expected RAWLASER2 lines, found none; the log holds FLASER (3), RAWLASER1 (2)"));
-}
-
-// --- Broken lines ----------------------------------------------------------------------------------------------------
-
-struct BrokenCase {
-  std::string line;
-  std::string complaint;
-
-  friend void PrintTo(const BrokenCase& broken, std::ostream* out) { *out << broken.complaint; }
-};
-class BrokenCarmenLine : public testing::TestWithParam<BrokenCase> {};
-
-TEST_P(BrokenCarmenLine, IsAnErrorWithItsPlaceAndSkippedWhenLenient) {
-  const auto& [line, complaint] = GetParam();
-  const std::string text = "# first\n" + flaser(3) + line + "\n" + flaser(3);
-  EXPECT_THAT(error_of(text), HasSubstr("test.log:3: FLASER: expected " + complaint));
-  const LoadedLog loaded = read_text(text, lenient).value();
-  EXPECT_EQ(loaded.log.scans.size(), 2U);
-  EXPECT_EQ(loaded.report.broken_lines, 1U);
-  EXPECT_THAT(loaded.report.broken_messages, ElementsAre(HasSubstr("test.log:3:")));
-  EXPECT_THAT(observations(loaded.report), testing::Contains("1 broken line skipped"));
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Lines, BrokenCarmenLine,
-    testing::Values(BrokenCase{"FLASER", "a count for ranges, found the end of the line"},
-                    BrokenCase{"FLASER -3 1 1 1 0 0 0 0 0 0 1 h 1", "a count for ranges, found '-3'"},
-                    BrokenCase{"FLASER x 1 1 1 0 0 0 0 0 0 1 h 1", "a count for ranges, found 'x'"},
-                    BrokenCase{"FLASER 3.5 1 1 1 0 0 0 0 0 0 1 h 1", "a count for ranges, found '3.5'"},
-                    BrokenCase{"FLASER 18446744073709551615 1 1", "18446744073709551615 ranges, found at most 2"},
-                    BrokenCase{"FLASER 99999999999999999999999 1 1", "a count for ranges"},
-                    BrokenCase{"FLASER 14 1 1 1 0 0 0 0 0 0 1 h 1", "14 ranges, found at most 12 fields"},
-                    BrokenCase{"FLASER 4 1 1 1 0 0 0 0 0 0 1 h 1", "a finite number for the stamp, found 'h'"},
-                    BrokenCase{"FLASER 2 1 1 1 0 0 0 0 0 0 1 h 1", "a number for the logger stamp, found 'h'"},
-                    BrokenCase{"FLASER 3 1 one 1 0 0 0 0 0 0 1 h 1", "a number for a range, found 'one'"},
-                    BrokenCase{"FLASER 3 1 1,5 1 0 0 0 0 0 0 1 h 1", "a number for a range, found '1,5'"},
-                    BrokenCase{"FLASER 3 1 1 1 nan 0 0 0 0 0 1 h 1", "a finite number for the pose, found 'nan'"},
-                    BrokenCase{"FLASER 3 1 1 1 0 0 0 0 inf 0 1 h 1", "a finite number for the odometry, found 'inf'"},
-                    BrokenCase{"FLASER 3 1 1 1 0 0 0 0 0 0 nan h 1", "a finite number for the stamp, found 'nan'"},
-                    BrokenCase{"FLASER 3 1 1 1 0 0 0 0 0 0 1 h 1 9",
-                               "the end of the line after the logger stamp, found '9'"},
-                    BrokenCase{"FLASER 3 1 1 1 0 0 0 0 0 0 1", "a word for the host, found the end of the line"}));
-
-TEST(Carmen, FindsAnImpossibleStepOfRobotlaser) {
-  EXPECT_THAT(error_of(robotlaser("3 1 2 3", "0 0 0 0 0 0", "0 -1 3 0 40")), HasSubstr("an angular step other than 0"));
-  EXPECT_TRUE(read_text(robotlaser("1 2", "0 0 0 0 0 0", "0 0 0 0 40")));
-}
-
-TEST(Carmen, ReadsRemissionsAndSkipsThem) {
-  std::string line = robotlaser();
-  line.replace(line.find(" 0 1.5 2 0"), 2, " 3 0.5 0.25 0.125");
-  expect_pose(read_text(line).value().log.map_from_robot[0], {1, 2, 0});
-}
-
-TEST(Carmen, ReportsALastLineThatIsCutShort) {
-  std::string text = flaser(180) + flaser(180);
-  text.resize(text.size() - 300);
-  EXPECT_THAT(error_of(text), HasSubstr("test.log:2: FLASER: "));
-  EXPECT_THAT(error_of(text), HasSubstr("(the last line, which has no end)"));
-  const LoadedLog loaded = read_text(text, lenient).value();
-  EXPECT_EQ(loaded.log.scans.size(), 1U);
-  EXPECT_EQ(loaded.report.broken_lines, 1U);
-}
-
-TEST(Carmen, ReadsGzipThatIsCutShortOnlyWhenLenient) {
-  std::string text;
-  for (int i = 0; i < 2000; ++i) { text += flaser(20, std::to_string(i * 7919 % 1000) + " 0 0 0 0 0"); }
-  std::string zipped = gzipped(text);
-  zipped.resize(zipped.size() / 2);
-  EXPECT_THAT(error_of(zipped), HasSubstr("gzip data that is cut short"));
-  const LoadedLog loaded = read_text(zipped, lenient).value();
-  EXPECT_GT(loaded.log.scans.size(), 500U);
-  EXPECT_EQ(loaded.report.broken_lines, 1U);
-}
-
-TEST(Carmen, ReadsScansOfAnySize) {
-  EXPECT_TRUE(read_text(flaser(0)).value().log.scans[0].ranges.empty());
-  EXPECT_EQ(read_text(flaser(1)).value().log.scans[0].ranges.size(), 1U);
-  const std::string wide = flaser(8000, "1 2 0.5 1 2 0.5", "1", "12.345");
-  ASSERT_GT(wide.size(), 50'000U);
-  EXPECT_EQ(read_text(wide).value().log.scans[0].ranges.size(), 8000U);
-}
-
-TEST(Carmen, RefusesWhatIsNoLog) {
-  EXPECT_THAT(error_of(""), HasSubstr("test.log: expected lines of a CARMEN log, found an empty file"));
-  EXPECT_THAT(error_of("hello\nworld\n"), HasSubstr("found none, beginning with 'hello'"));
-  EXPECT_THAT(error_of("# FLASER is only named here\n"), HasSubstr("expected lines of a CARMEN log"));
-  EXPECT_THAT(error_of("ODOM 0 0 0 0 0 0 1 host 1\n"),
-              HasSubstr("expected scan lines (FLASER, ROBOTLASER1, RAWLASER1), found none; the log holds ODOM (1)"));
-  const TemporaryFolder folder;
-  EXPECT_THAT(read_log(folder.path()).error().message, HasSubstr("found a folder"));
-  EXPECT_THAT(read_log(folder.path() / "none").error().message, HasSubstr("found nothing"));
-}
-
-TEST(Carmen, KeepsOnlyTheFirstMessagesOfManyBrokenLines) {
-  std::string text = flaser(3);
-  for (int i = 0; i < 100; ++i) { text += "FLASER x\n"; }
-  const LogReport report = read_text(text, lenient).value().report;
-  EXPECT_EQ(report.broken_lines, 100U);
-  EXPECT_EQ(report.broken_messages.size(), 5U);
-}
-
-TEST(Carmen, SurvivesDamageOfAnyKind) {
-  const std::string good = "PARAM robot_frontlaser_offset 0.1 nohost 0\nODOM 1 2 3 0 0 0 1.5 host 1\n" + flaser(8) +
-                           robotlaser() + rawlaser() + "TRUEPOS 9 8 0.5 1 2 0 7.25 host 0\nNEFF 3\n" + flaser(20);
-  const TemporaryFolder folder;
-  Rng rng(20260101);
-  std::size_t readable = 0;
-  for (int round = 0; round < 1000; ++round) {
-    std::string text = round % 8 == 0 ? gzipped(good) : good;
-    for (std::uint32_t k = 0; k < 1 + rng.below(6); ++k) {
-      const std::size_t place = rng.below(static_cast<std::uint32_t>(text.size()));
-      switch (rng.below(4)) {
-        case 0:
-          text[place] = static_cast<char>(rng.below(256));
-          break;
-        case 1:
-          text.erase(place, 1 + rng.below(20));
-          break;
-        case 2:
-          text.insert(place, 1 + rng.below(3), "0123456789-.e \n"[rng.below(15)]);
-          break;
-        default:
-          text.resize(1 + place);
-          break;
-      }
-      if (text.empty()) { text = "x"; }
-    }
-    const auto path = folder.file("test.log", text);
-    const auto loaded = read_log(path, lenient);
-    readable += loaded.has_value() ? 1U : 0U;
-    if (const auto strict = read_log(path)) {
-      EXPECT_TRUE(loaded.has_value());
-      EXPECT_EQ(strict->log.scans.size(), loaded->log.scans.size());
-    }
-  }
-  EXPECT_GT(readable, 500U);
-}
-
-// --- Writing ---------------------------------------------------------------------------------------------------------
-
-ScanLog random_log(bool has_odometry, bool has_poses) {
-  Rng rng(5);
-  ScanLog log;
-  for (int i = 0; i < 20; ++i) {
-    Scan scan{.stamp = 1134864629.895182 + 0.1 * i, .beams = {-2.1, 0.0061359, 0, 30.5}};
-    for (int k = 0; k < 50; ++k) { scan.ranges.push_back(rng.uniform(0, 30)); }
-    scan.ranges[3] = infinity;
-    scan.ranges[4] = 0;
-    scan.robot_from_sensor = {0.78, 0, 0};
-    const Pose2 pose{576.5 + 0.1 * i, rng.normal(), wrap_angle(0.7 * i)};
-    if (has_odometry) { scan.odom_from_robot = pose; }
-    if (has_poses) { log.map_from_robot.push_back(Pose2{1, 2, 0.3} * pose); }
-    log.scans.push_back(scan);
-  }
-  return log;
-}
-
-void expect_same(const ScanLog& found, const ScanLog& expected) {
-  ASSERT_EQ(found.scans.size(), expected.scans.size());
-  ASSERT_EQ(found.map_from_robot.size(), expected.map_from_robot.size());
-  for (std::size_t i = 0; i < found.scans.size(); ++i) {
-    EXPECT_EQ(found.scans[i].stamp, expected.scans[i].stamp);
-    EXPECT_EQ(found.scans[i].beams, expected.scans[i].beams);
-    EXPECT_EQ(found.scans[i].ranges, expected.scans[i].ranges);
-    expect_pose(found.scans[i].robot_from_sensor, expected.scans[i].robot_from_sensor);
-    EXPECT_EQ(found.scans[i].odom_from_robot, expected.scans[i].odom_from_robot);
-    if (!expected.map_from_robot.empty()) { EXPECT_EQ(found.map_from_robot[i], expected.map_from_robot[i]); }
-  }
-}
-
-TEST(CarmenWriter, KeepsOdometryAndOtherPosesApart) {
-  const ScanLog log = random_log(true, true);
-  const LoadedLog loaded = read_text(to_carmen(log).value()).value();
-  expect_same(loaded.log, log);
-  EXPECT_EQ(loaded.report.poses, PoseSource::corrected_and_odometry);
-}
-
-TEST(CarmenWriter, KeepsCorrectedPosesWithoutOdometry) {
-  const ScanLog log = random_log(false, true);
-  const LoadedLog loaded = read_text(to_carmen(log).value()).value();
-  expect_same(loaded.log, log);
-  EXPECT_EQ(loaded.report.poses, PoseSource::corrected);
-}
-
-TEST(CarmenWriter, ReadsBackOdometryAsThePosesOfTheLogWhenItHasNoOthers) {
-  ScanLog log = random_log(true, false);
-  const ScanLog found = read_text(to_carmen(log).value()).value().log;
-  for (const Scan& scan : log.scans) { log.map_from_robot.push_back(*scan.odom_from_robot); }
-  expect_same(found, log);
-  EXPECT_THAT(to_carmen(log).value(), Not(HasSubstr("TRUEPOS")));
-}
-
-TEST(CarmenWriter, WritesScansWithoutPosesAsRawlaser) {
-  ScanLog log = random_log(false, false);
-  const std::string text = to_carmen(log).value();
-  EXPECT_THAT(text, HasSubstr("\nRAWLASER1 "));
-  expect_same(read_text(text).value().log, log);
-  log.scans[3].robot_from_sensor.y = 0.2;
-  EXPECT_THAT(to_carmen(log).error().message, HasSubstr("expected a laser straight ahead"));
-}
-
-TEST(CarmenWriter, KeepsClockwiseBeams) {
-  ScanLog log = random_log(true, true);
-  for (Scan& scan : log.scans) { scan.beams = {3.1, -0.1, 0, 12}; }
-  for (Scan& scan : log.scans) { scan.ranges.resize(30); }
-  expect_same(read_text(to_carmen(log).value()).value().log, log);
-}
-
-TEST(CarmenWriter, WritesAFile) {
-  const TemporaryFolder folder;
-  const ScanLog log = random_log(true, true);
-  ASSERT_TRUE(write_carmen(folder.path() / "a.log", log));
-  expect_same(read_log(folder.path() / "a.log").value().log, log);
-  EXPECT_FALSE(write_carmen(folder.path() / "none" / "a.log", log));
 }
 
 }  // namespace

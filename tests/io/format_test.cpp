@@ -33,7 +33,8 @@ TEST(FormatOf, SaysWhatItFoundInstead) {
 }
 
 TEST(FormatByName, LooksBeforeTheEndOfGzip) {
-  EXPECT_EQ(format_by_name("x/a.log.gz"), FileFormat::carmen);
+  EXPECT_EQ(format_by_name("x/a.log"), FileFormat::carmen);
+  EXPECT_EQ(format_by_name("x/a.log.gz"), std::nullopt) << "files are written plain";
   EXPECT_EQ(format_by_name("a.clf"), FileFormat::carmen);
   EXPECT_EQ(format_by_name("a.tum"), FileFormat::tum);
   EXPECT_EQ(format_by_name("a.g2o"), FileFormat::g2o);
@@ -63,6 +64,8 @@ TEST(Relations, AreRefusedWithTheirPlace) {
   const TemporaryFolder folder;
   EXPECT_THAT(read_relations(folder.file("a", "1 2 3 4 5 6 7 8\n1 2 3\n")).error().message,
               HasSubstr("a:2: expected 8 finite numbers, found the end of the line"));
+  EXPECT_THAT(read_relations(folder.file("c", "1 2 1e300 4 5 6 7 8\n")).error().message,
+              HasSubstr("expected a motion of less than 10 000 km"));
   EXPECT_THAT(read_relations(folder.file("b", "1 2 3 4 5 6 7 8 9\n")).error().message, HasSubstr("found more: '9'"));
 }
 

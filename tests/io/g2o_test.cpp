@@ -87,6 +87,8 @@ TEST(G2o, RefusesBrokenFilesWithTheirPlace) {
   EXPECT_THAT(g2o_error("VERTEX_SE2 0 0 0\n"),
               HasSubstr("a.g2o:1: VERTEX_SE2: expected a finite number, found the end"));
   EXPECT_THAT(g2o_error("VERTEX_SE2 0 0 nan 0\n"), HasSubstr("found 'nan'"));
+  EXPECT_THAT(g2o_error("VERTEX_SE2 0 1e300 0 0\n"),
+              HasSubstr("a.g2o:1: VERTEX_SE2: expected a place within 10 000 km"));
   EXPECT_THAT(g2o_error("VERTEX_SE2 0.5 0 0 0\n"), HasSubstr("expected the number of a vertex, found '0.5'"));
   EXPECT_THAT(g2o_error(vertices + "VERTEX_SE2 1 0 0 0\n"),
               HasSubstr("a.g2o:3: VERTEX_SE2: expected each vertex once"));

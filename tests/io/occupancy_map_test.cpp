@@ -1,5 +1,6 @@
 #include "flirt/io/occupancy_map.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -11,7 +12,7 @@ namespace {
 std::uint8_t pixel_of(std::uint16_t hits, std::uint16_t passes) {
   EvidenceGrid grid;
   grid.count({3, -2}, {.hits = hits, .passes = passes});
-  const GridMapImage map = occupancy_map(grid, "map.pgm");
+  const GridMapImage map = occupancy_map(grid, "map.pgm").value();
   EXPECT_EQ(map.image.pixels.size(), 1U);
   return map.image.pixels.front();
 }
@@ -36,9 +37,18 @@ TEST(OccupancyMap, ShadesWhatBeamsPassDifferentlyFromWhatTheyDoNot) {
 }
 
 TEST(OccupancyMap, OfNothingIsOneUnknownPixel) {
-  const GridMapImage map = occupancy_map(EvidenceGrid{}, "map.pgm");
+  const GridMapImage map = occupancy_map(EvidenceGrid{}, "map.pgm").value();
   ASSERT_EQ(map.image.pixels.size(), 1U);
   EXPECT_EQ(cell_state(map.image.pixels.front(), map.metadata), CellState::unknown);
+}
+
+TEST(OccupancyMap, RefusesScansTooFarApartForOneImage) {
+  const Scan one_beam{.beams = {0, 0.1, 0, 50}, .ranges = {1.0}};
+  EvidenceGrid grid;
+  grid.add(one_beam, {});
+  grid.add(one_beam, {1e6, 1e6, 0});
+  EXPECT_THAT(occupancy_map(grid, "a.pgm").error().message,
+              testing::HasSubstr("expected scans near each other, found a map of"));
 }
 
 }  // namespace

@@ -55,6 +55,7 @@ TEST(Tum, RefusesBrokenLinesWithTheirPlace) {
   EXPECT_THAT(error("1 2 3"), HasSubstr("a.tum:2: expected 8 finite numbers, found the end of the line"));
   EXPECT_THAT(error("1 2 nan 0 0 0 0 1"), HasSubstr("found 'nan'"));
   EXPECT_THAT(error("1 2 x 0 0 0 0 1"), HasSubstr("found 'x'"));
+  EXPECT_THAT(error("1 -1e300 2 0 0 0 0 1"), HasSubstr("a.tum:2: expected a place within 10 000 km"));
   EXPECT_THAT(error("1 2 3 0 0 0 0 1 9"), HasSubstr("found more: '9'"));
   EXPECT_THAT(error("1 2 3 0 0 0 0 0"), HasSubstr("quaternion of length 1"));
   EXPECT_THAT(read_tum(folder.path() / "none").error().message, HasSubstr("found nothing"));

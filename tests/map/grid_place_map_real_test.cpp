@@ -103,7 +103,7 @@ TEST(PlaceMapFromGridOfARealBuilding, FindsTheScansOfAnotherCorrectionOfTheDrive
   const ScanLog log = read_log(*mapped).value().log;
   EvidenceGrid evidence;
   for (std::size_t i = 0; i < log.scans.size(); ++i) { evidence.add(log.scans[i], log.map_from_sensor(i)); }
-  const GridMapImage grid = occupancy_map(evidence, "map.pgm");
+  const GridMapImage grid = occupancy_map(evidence, "map.pgm").value();
   const PlaceMap map = place_map_from_grid(grid.image, grid.metadata).value();
 
   const ScanLog queries = read_log(*asked).value().log;
@@ -139,7 +139,7 @@ std::array<Tally, 2> found_in_the_other_half(const ScanLog& log) {
   }
   EvidenceGrid evidence;
   for (const std::size_t i : mapped) { evidence.add(log.scans[i], log.map_from_sensor(i)); }
-  const GridMapImage image = occupancy_map(evidence, "map.pgm");
+  const GridMapImage image = occupancy_map(evidence, "map.pgm").value();
   const PlaceMap grid = place_map_from_grid(image.image, image.metadata).value();
   const std::array fields{map_fields(evidence), map_fields(grid.evidence())};
   std::array<Tally, 2> tallies;

@@ -80,6 +80,10 @@ TEST(Landmarks, ExcludedScansLeaveNone) {
   EXPECT_TRUE(none.vote(extract(room_scan({}))).empty());
 }
 
+TEST(Landmarks, AKeypointBeyondAnySensorIsNone) {
+  EXPECT_EQ(landmarks_of({{{}, one_feature({3e9, 0, 0}, 3)}, {{}, one_feature({0, -2e6, 0}, 3)}}).size(), 0U);
+}
+
 TEST(Landmarks, AScanWithoutKeypointsVotesForNothing) {
   EXPECT_TRUE(Landmarks(room_map(), {}).vote({}).empty());
 }

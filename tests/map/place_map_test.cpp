@@ -114,6 +114,8 @@ TEST(PlaceMap, RejectsColumnsThatDoNotFit) {
   EXPECT_THAT(
       complaint_after([](PlaceMapVectors& v) { v.map_from_sensor[2].x = std::numeric_limits<double>::infinity(); }),
       HasSubstr("map_from_sensor"));
+  EXPECT_THAT(complaint_after([](PlaceMapVectors& v) { v.map_from_sensor[1].y = -2e7; }),
+              HasSubstr("map_from_sensor: expected finite poses within 10 000 km, found another at 1"));
 }
 
 TEST(PlaceMap, RejectsImpossibleDescriptorShapes) {

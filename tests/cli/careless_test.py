@@ -1,0 +1,162 @@
+#!/usr/bin/env python3
+"""What careless users do: options that say nothing, numbers that are none, files that are something else.
+
+usage: careless_test.py FLIRT_PROGRAM
+"""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+FLIRT = ""
+
+
+def run(*arguments: object) -> subprocess.CompletedProcess:
+    return subprocess.run([FLIRT, *arguments], capture_output=True, check=False, timeout=300)
+
+
+def flaser(pose: str, odometry: str, ranges: str = "4 2.0 2.0 2.0 2.0", stamp: float = 1) -> str:
+    return f"FLASER {ranges} {pose} {odometry} {stamp} host {stamp}\n"
+
+
+class Careless(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.work = pathlib.Path(cls.folder.name)
+        cls.log = cls.work / "room.log"
+        done = run("simulate", "-o", cls.log, "--log-poses", "both", "--rounds", "1", "--office-area", "200",
+                   "--drive-round-length", "30", "--quiet")
+        assert done.returncode == 0, done.stderr
+        cls.map = cls.work / "room.flirt"
+        assert run("map", cls.log, "-o", cls.map, "--quiet").returncode == 0
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def file(self, name: str, text: str) -> pathlib.Path:
+        path = self.work / name
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    def refused(self, code: int, message: str, *arguments: object) -> None:
+        done = run(*arguments)
+        self.assertEqual(done.returncode, code, f"{arguments}\n{done.stderr}")
+        self.assertIn(message, done.stderr.decode())
+        self.assertEqual(done.stdout, b"", "nothing is printed by a command that failed")
+
+    def test_numbers_are_what_they_should_be(self):
+        self.refused(1, "0 or more, found -1", "info", self.log, "--seed", "-1")
+        self.refused(1, "0 or more, found -1", "detect", self.log, "--scan", "-1")
+        self.refused(1, "0 or more, found -5", "localize", self.map, self.log, "--hypotheses", "-5")
+        self.refused(1, "finite number, found nan", "evaluate", self.log, "--truth", self.log, "--rpe-path", "nan")
+        self.refused(1, "finite number, found nan", "info", self.log, "--range-max", "nan")
+        self.refused(1, "finite number, found nan", "localize", self.map, self.log, "--largest-dense", "nan")
+        self.refused(1, "--people", "simulate", "-o", self.work / "x.log", "--people", "100000000")
+
+    def test_options_that_would_do_nothing_are_refused(self):
+        self.refused(1, "--svg", "detect", self.log, "--keypoint", "3")
+        self.refused(1, "--svg", "simulate", "-o", self.work / "x.log", "--svg-scan", "3")
+        self.refused(1, "--ablation", "bench", "localization", self.log, "--protocol", "revisit", "--variants", "full")
+
+    def test_a_window_is_read_like_every_number(self):
+        for window in ("3", "0x3"):
+            out = self.work / window
+            self.assertEqual(run("slam", self.log, "-o", out, "--window", window, "--every", "5").returncode, 0)
+            self.assertEqual(json.loads((out / "summary.json").read_text())["odometry"], "ignored")
+
+    def test_a_seed_of_one_method_wins_over_that_of_the_command(self):
+        result = run("localize", self.map, self.log, "--scan", "0", "--method", "papers", "--ransac-seed", "7", "--seed", "3",
+                     "--json", "-")
+        self.assertEqual(json.loads(result.stdout)["params"]["ransac"]["seed"], 7)
+        result = run("evaluate", self.log, "--truth", self.log, "--quality-seed", "7", "--seed", "3", "--json", "-")
+        self.assertEqual(json.loads(result.stdout)["params"]["quality"]["seed"], 7)
+        result = run("evaluate", self.log, "--truth", self.log, "--seed", "3", "--json", "-")
+        self.assertEqual(json.loads(result.stdout)["params"]["quality"]["seed"], 3)
+
+    def test_benches_refuse_what_would_end_badly(self):
+        graph = self.file("two.graph", "VERTEX2 0 0 0 0\nVERTEX2 1 1 0 0\nEDGE2 0 1 1 0 0 1 0 1 1 0 0\n")
+        self.refused(1, "less than the 2 nodes", "bench", "optimizers", graph, "--optimize-fixed-node", "2")
+        self.refused(1, "each name once, found 'a' again", "bench", "slam", "-o", self.work / "twice", "--log",
+                     f"a={self.log}", "--log", f"a={self.log}")
+
+    def test_a_config_file_is_read_by_every_command(self):
+        missing = self.work / "missing.toml"
+        empty = self.file("empty.toml", "")
+        wrong = self.file("wrong.toml", "# hm\n[nonsense]\n")
+        commands = (["info", self.log], ["detect", self.log], ["convert", self.log, self.work / "x.tum"],
+                    ["evaluate", self.log, "--truth", self.log], ["bench", "detectors", self.log],
+                    ["bench", "descriptors", self.log], ["bench", "ablation", self.log], ["bench", "speed"])
+        for command in commands:
+            self.refused(2, f"flirt: {missing}: expected a file", *command, "--config", missing)
+            self.refused(2, f"flirt: {self.work}: expected a file, found a folder", *command, "--config", self.work)
+            self.refused(2, f"flirt: {wrong}:2: expected", *command, "--config", wrong)
+        self.assertEqual(run("info", self.log, "--config", empty).returncode, 0)
+
+    def test_config_values_have_their_types(self):
+        match = ["match", self.log, "--scan", "0", "--against", "1", "--json", "-", "--config"]
+        for line in ("inlier_distance = '0.1'", "inlier_distance = true", "inlier_distance = [1]", "inlier_distance = nan",
+                     "inlier_distance = inf", "min_inliers = 3.5", "min_inliers = -3", "min_inliers = 1979-05-27"):
+            config = self.file("types.toml", f"[ransac]\n{line}\n")
+            self.refused(2, f"flirt: {config}:2: --ransac-", *match, config)
+        done = run(*match, self.file("types.toml", "[ransac]\nmin_inliers = 0x5\n[match]\ndistance = 'euclidean'\n"))
+        self.assertEqual(json.loads(done.stdout)["params"]["ransac"]["min_inliers"], 5, done.stderr)
+
+    def test_json_stands_whatever_bytes_are_in_it(self):
+        good = flaser("0 0 0", "0 0 0").encode()
+        strange = self.work.joinpath(os.fsdecode(b"stra\xffnge.log"))
+        strange.write_bytes(good + b"FLASER \xff\xfe\n")
+        done = run("info", strange, "--lenient", "--json", "-")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(json.loads(done.stdout.decode("utf-8"))["lines"]["broken"], 1)
+
+    def test_places_off_the_earth_are_refused(self):
+        far = self.file("far.log", flaser("0 0 0", "0 0 0") + flaser("1e9 0 0", "0 0 0"))
+        for command in (["info", far], ["map", far, "-o", self.work / "far.flirt"], ["slam", far, "-o", self.work / "far"],
+                        ["evaluate", far, "--scans", far], ["localize", self.map, far]):
+            self.refused(2, f"flirt: {far}:2: FLASER: expected a place within 10 000 km", *command)
+
+    def test_scans_too_far_apart_for_one_map_leave_nothing_behind(self):
+        jumps = self.file("jumps.log", "".join(
+            flaser(f"{i % 2 * 1e6} 0 0", f"{i % 2 * 1e6} {i % 2 * 1e6} 0", stamp=i) for i in range(4)))
+        out = self.work / "jumps"
+        self.refused(2, f"flirt: {jumps}: expected scans near each other", "slam", jumps, "-o", out)
+        self.assertEqual(list(out.iterdir()), [])
+
+    def test_nothing_to_compare_is_no_perfect_score(self):
+        elsewhen = self.file("elsewhen.rel", "1e6 2e6 1 0 0 0 0 0\n")
+        late = self.file("late.tum", "1e6 0 0 0 0 0 0 1\n")
+        for code, name, *arguments in ((2, elsewhen, self.log, "--relations", elsewhen), (2, self.log, late, "--scans", self.log),
+                                       (2, self.log, self.log, "--truth", late)):
+            done = run("evaluate", *arguments, "--quiet")
+            self.assertEqual(done.returncode, code)
+            self.assertIn(f"flirt: {name}: expected", done.stderr.decode())
+        first = run("info", self.log, "--json", "-")
+        stamp = json.loads(first.stdout)["stamps"]["first"]
+        done = run("evaluate", self.log, "--truth", self.file("one.tum", f"{stamp!r} 0 0 0 0 0 0 1\n"))
+        self.assertIn(b"nothing to compare", done.stdout)
+
+    @unittest.skipUnless(os.path.exists("/dev/full"), "no /dev/full")
+    def test_output_that_does_not_arrive_is_an_error(self):
+        for arguments in (["info", self.log], ["info", self.log, "--json", "-"], ["localize", self.map, self.log]):
+            with open("/dev/full", "wb") as full:
+                done = subprocess.run([FLIRT, *arguments], stdout=full, stderr=subprocess.PIPE, check=False, timeout=300)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(b"stdout: expected", done.stderr)
+
+    def test_a_picture_that_cannot_be_drawn_comes_before_all_output(self):
+        out = self.work / "unwritten.jsonl"
+        self.refused(1, "--keypoint", "detect", self.log, "--svg", self.work / "x.svg", "--keypoint", "9999", "--json", out)
+        self.assertFalse(out.exists())
+        self.refused(1, "--svg-scan", "simulate", "-o", self.work / "x.log", "--office-area", "200", "--svg",
+                     self.work / "x.svg", "--svg-scan", "999999")
+        self.assertFalse((self.work / "x.log").exists())
+
+
+if __name__ == "__main__":
+    FLIRT = sys.argv.pop(1)
+    unittest.main()
