@@ -189,7 +189,7 @@ TEST(Lidar, MixedPixelsLieBetweenTheSurfacesAtAnEdge) {
   for (std::size_t i = 0; i < 360; ++i) {
     if (mixed[i] == clean[i]) { continue; }
     ++changed;
-    EXPECT_TRUE(i == 179 || i == 180) << i;
+    EXPECT_TRUE(i == 180 || i == 181) << i;
     EXPECT_GT(mixed[i], 2.0);
     EXPECT_LT(mixed[i], 6.01);
   }
@@ -201,10 +201,10 @@ TEST(Lidar, MixesEitherBeamBesideAnEdgeEquallyOften) {
   params.mixed_pixels = 1;
   FloorPlan plan = wall_at(6);
   plan.segments.push_back({{2, -50}, {2, 0.001}, Material::solid});
-  const double before = measure(perfect(), plan)[179];
+  const double before = measure(perfect(), plan)[180];
   int first = 0;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
-    first += measure(params, plan, {}, {}, seed)[179] != before ? 1 : 0;
+    first += measure(params, plan, {}, {}, seed)[180] != before ? 1 : 0;
   }
   EXPECT_NEAR(first, 100, 30);
 }
