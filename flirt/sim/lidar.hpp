@@ -64,8 +64,7 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.noise_per_metre, Field{"noise_per_metre", "1", "growth of the noise with distance", 0, 1});
   visit(params.resolution, Field{"resolution", "m", "readings are multiples of it; 0: not rounded", 0, 1});
   visit(params.dropouts, Field{"dropouts", "1", "share of the readings lost, given as no return", 0, 1});
-  visit(params.mixed_pixels,
-        Field{"mixed_pixels", "1", "share of edges at which a reading falls in between", 0, 1});
+  visit(params.mixed_pixels, Field{"mixed_pixels", "1", "share of edges at which a reading falls in between", 0, 1});
   visit(params.glass_returns, Field{"glass_returns", "1", "share of the beams that return from glass", 0, 1});
   visit(params.glass_glare, Field{"glass_glare", "rad", "to a pane's normal, within which all beams return", 0, 1.6});
 }
