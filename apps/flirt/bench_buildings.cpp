@@ -223,8 +223,8 @@ void add_bench_buildings(CLI::App& bench, Session& session) {
   command->add_option("--queries", options->queries, "scans asked in each row (default 100)")
       ->check(CLI::Range(1, 1000000));
   command->add_option("-o,--output", options->out, "folder for buildings.json and pictures of what was not found");
-  options->params.add(*command, "office", options->office);
-  options->params.add(*command, "lidar", options->lidar);
+  options->params.add(*command, "office", options->office, {"seed"});
+  options->params.add(*command, "lidar", options->lidar, {"field_of_view"});
   options->localize.add(*command, options->params);
   session.on(command, [&session, options] { return run(*options, session); });
 }

@@ -108,7 +108,7 @@ void add_bench_optimizers(CLI::App& bench, Session& session) {
                                   "flirt bench optimizers flirtlib-fr079.log.gz flirtlib-intel-lab.log.gz");
   command->add_option("LOG", options->logs, "logs or graphs with VERTEX2 and EDGE2 lines; their poses are the truth")
       ->required();
-  options->params.add(*command, "optimize", options->optimize);
+  options->params.add(*command, "optimize", options->optimize, {"backend"});
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

@@ -6,10 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace flirt::app {
@@ -26,9 +29,10 @@ struct ParamField {
 /// Parameter structs bound to flags `--GROUP-FIELD` and to keys `field` of the TOML table `[group]`.
 class ParamFlags {
  public:
-  /// `params` must outlive this object's `resolve`.
+  /// `params` must outlive this object's `resolve`. Fields named in `without` are the command's own affair.
   template <class Params>
-  void add(CLI::App& command, const std::string& group, Params& params);
+  void add(CLI::App& command, const std::string& group, Params& params,
+           std::initializer_list<std::string_view> without = {});
 
   /// Defaults < file < flags. Call once after parsing. `config` may be empty (no file). Unknown keys are an error, so
   /// that a typing mistake does not silently do nothing; the top-level tables of other groups are errors, too.
@@ -91,8 +95,10 @@ Value parse(const ParamField& field, const std::string& text, const Field& range
 }  // namespace detail
 
 template <class Params>
-void ParamFlags::add(CLI::App& command, const std::string& group, Params& params) {
+void ParamFlags::add(CLI::App& command, const std::string& group, Params& params,
+                     std::initializer_list<std::string_view> without) {
   visit_fields(params, [&](auto& value, const Field& description) {
+    if (std::ranges::find(without, description.name) != without.end()) { return; }
     using Value = std::decay_t<decltype(value)>;
     auto field = std::make_shared<ParamField>();
     field->group = group;

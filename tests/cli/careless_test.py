@@ -140,6 +140,11 @@ class Careless(unittest.TestCase):
         done = run("evaluate", self.log, "--truth", self.file("one.tum", f"{stamp!r} 0 0 0 0 0 0 1\n"))
         self.assertIn(b"nothing to compare", done.stdout)
 
+    def test_what_a_bench_varies_itself_is_no_option(self):
+        self.refused(1, "--optimize-backend", "bench", "optimizers", self.log, "--optimize-backend", "toro")
+        self.refused(1, "--office-seed", "bench", "buildings", "--office-seed", "3")
+        self.refused(1, "--lidar-field-of-view", "bench", "buildings", "--lidar-field-of-view", "3")
+
     @unittest.skipUnless(os.path.exists("/dev/full"), "no /dev/full")
     def test_output_that_does_not_arrive_is_an_error(self):
         for arguments in (["info", self.log], ["info", self.log, "--json", "-"], ["localize", self.map, self.log]):
