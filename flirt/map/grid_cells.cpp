@@ -1,11 +1,12 @@
 #include "flirt/map/grid_cells.hpp"
 
+#include "flirt/map/grid_pixels.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 namespace flirt {
@@ -33,137 +34,32 @@ Extent extent_of(const GreyImage& image, const GridMapMetadata& metadata) {
   return extent;
 }
 
-constexpr std::uint8_t deepest = 3;  // pixels between free space and a surface that is still taken to bound it
-
-/// What the pixels of an image are, row by row from the top.
-struct PixelStates {
-  std::int32_t width{0};
-  std::int32_t height{0};
-  std::vector<CellState> states;
-  std::vector<std::uint8_t> solid{};  ///< not 0: see `is_solid`
-
-  /// Outside everything is unknown.
-  [[nodiscard]] CellState at(std::int32_t column, std::int32_t row) const {
-    return contains(column, row) ? states[offset(column, row)] : CellState::unknown;
-  }
-  /// Index of a place in pixels from the lower left corner; nothing outside.
-  [[nodiscard]] std::optional<std::size_t> index(Point2 in_pixels) const {
-    if (!(in_pixels.x >= 0 && in_pixels.y >= 0 && in_pixels.x < width && in_pixels.y < height)) { return std::nullopt; }
-    return offset(static_cast<std::int32_t>(in_pixels.x), height - 1 - static_cast<std::int32_t>(in_pixels.y));
-  }
-  [[nodiscard]] bool contains(std::int32_t column, std::int32_t row) const {
-    return column >= 0 && row >= 0 && column < width && row < height;
-  }
-  [[nodiscard]] std::size_t offset(std::int32_t column, std::int32_t row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
-  }
-};
-
-CellState state_of_pixel(std::uint8_t pixel, const GridMapMetadata& metadata) {
-  constexpr double likely = 0.53;  // more than 127 of 255, which stands for unknown in some maps
-  const double probability = occupancy(pixel, metadata);
-  const bool is_likely = probability > likely && probability <= 1.0;
-  return is_likely ? CellState::occupied : cell_state(pixel, metadata);
-}
-
-/// Of an occupied pixel: whether beams do not pass it.
-bool is_solid(std::uint8_t pixel, const GridMapMetadata& metadata) {
-  return occupancy(pixel, metadata) >= (1.0 + metadata.occupied_thresh) / 2;
-}
-
-PixelStates pixel_states(const GreyImage& image, const GridMapMetadata& metadata) {
-  std::array<CellState, 256> state_of{};
-  std::array<std::uint8_t, 256> solid_of{};
-  for (std::size_t value = 0; value < state_of.size(); ++value) {
-    state_of[value] = state_of_pixel(static_cast<std::uint8_t>(value), metadata);
-    solid_of[value] = is_solid(static_cast<std::uint8_t>(value), metadata) ? 1 : 0;
-  }
-  PixelStates pixels{static_cast<std::int32_t>(image.width), static_cast<std::int32_t>(image.height), {}};
-  pixels.states.reserve(image.pixels.size());
-  pixels.solid.reserve(image.pixels.size());
-  for (const std::uint8_t value : image.pixels) {
-    pixels.states.push_back(state_of[value]);
-    pixels.solid.push_back(solid_of[value]);
-  }
-  return pixels;
-}
-
-/// Steps from each pixel to the nearest free one, diagonal ones counted as one; at most `deepest` + 1. Two passes.
-std::vector<std::uint8_t> steps_to_free(const PixelStates& pixels) {
-  std::vector<std::uint8_t> steps(pixels.states.size(), deepest + 1);
-  const auto come_from = [&](std::int32_t column, std::int32_t row, std::int32_t right, std::int32_t down) {
-    if (!pixels.contains(column + right, row + down)) { return; }
-    std::uint8_t& here = steps[pixels.offset(column, row)];
-    const int there = steps[pixels.offset(column + right, row + down)];
-    here = static_cast<std::uint8_t>(std::min<int>(here, there + 1));
-  };
-  const auto pass = [&](std::int32_t column, std::int32_t row, std::int32_t before) {
-    if (pixels.at(column, row) == CellState::free) { steps[pixels.offset(column, row)] = 0; }
-    come_from(column, row, before, 0);
-    for (const std::int32_t right : {-1, 0, 1}) { come_from(column, row, right, before); }
-  };
-  for (std::int32_t row = 0; row < pixels.height; ++row) {
-    for (std::int32_t column = 0; column < pixels.width; ++column) { pass(column, row, -1); }
-  }
-  for (std::int32_t row = pixels.height - 1; row >= 0; --row) {
-    for (std::int32_t column = pixels.width - 1; column >= 0; --column) { pass(column, row, 1); }
-  }
-  return steps;
-}
-
-/// Whether no beam can end on an occupied pixel: one beside it lies nearer to free space, or only occupied ones do.
-bool is_hidden(const PixelStates& pixels, const std::vector<std::uint8_t>& steps, std::int32_t column,
-               std::int32_t row) {
-  const std::uint8_t own = steps[pixels.offset(column, row)];
-  if (own == 1) { return false; }
-  bool buried = true;
-  for (std::int32_t y = row - 1; y <= row + 1; ++y) {
-    for (std::int32_t x = column - 1; x <= column + 1; ++x) {
-      const bool occupied = pixels.at(x, y) == CellState::occupied;
-      if (occupied && steps[pixels.offset(x, y)] < own) { return true; }
-      buried &= occupied;
-    }
-  }
-  return buried;
-}
-
-/// What lies behind the surface of thick walls becomes unknown, as it is in a map that scans have made.
-PixelStates surfaces_of(const PixelStates& pixels) {
-  const std::vector<std::uint8_t> steps = steps_to_free(pixels);
-  PixelStates surfaces = pixels;
-  for (std::int32_t row = 0; row < pixels.height; ++row) {
-    for (std::int32_t column = 0; column < pixels.width; ++column) {
-      CellState& state = surfaces.states[pixels.offset(column, row)];
-      if (state == CellState::occupied && is_hidden(pixels, steps, column, row)) { state = CellState::unknown; }
-    }
-  }
-  return surfaces;
-}
-
 struct CellSample {
   CellState state;
   float occupied_share;
   std::uint8_t solid;
 };
 
-/// What is in one cell; its corner and its sides are in pixels.
-CellSample sample(const PixelStates& pixels, Point2 corner, Point2 right, Point2 up, int samples) {
-  int occupied = 0;
-  int free = 0;
-  std::uint8_t solid = 0;
+/// What is in one cell; its corner and its sides are in pixels. Where a wall of one pixel lies across two cells only
+/// the one with half of it or more is solid.
+CellSample sample(const GridPixels& pixels, Point2 corner, Point2 right, Point2 up, int samples) {
+  std::array<int, 5> counts{};  // by GridPixel
   for (int j = 0; j < samples; ++j) {
     for (int i = 0; i < samples; ++i) {
-      const auto index = pixels.index(corner + ((i + 0.5) / samples) * right + ((j + 0.5) / samples) * up);
-      if (!index) { continue; }
-      const bool is_occupied = pixels.states[*index] == CellState::occupied;
-      occupied += is_occupied ? 1 : 0;
-      free += pixels.states[*index] == CellState::free ? 1 : 0;
-      if (is_occupied) { solid |= pixels.solid[*index]; }
+      const Point2 place = corner + ((i + 0.5) / samples) * right + ((j + 0.5) / samples) * up;
+      ++counts[static_cast<std::size_t>(pixels.at(place))];
     }
   }
+  const auto count = [&](GridPixel pixel) { return counts[static_cast<std::size_t>(pixel)]; };
   const int all = samples * samples;
-  const CellState state = occupied > 0 ? CellState::occupied : 2 * free > all ? CellState::free : CellState::unknown;
-  return {state, static_cast<float>(occupied) / static_cast<float>(all), solid};
+  const int surface = count(GridPixel::passed) + count(GridPixel::solid);
+  const int barrier = count(GridPixel::solid) + count(GridPixel::core);
+  const double strip = std::min(1.0, 1 / std::hypot(right.x, right.y));  // of the cell, a pixel wide, from side to side
+  const bool is_solid = 2 * barrier >= strip * all;
+  const CellState state = surface + barrier > 0              ? CellState::occupied
+                          : 2 * count(GridPixel::free) > all ? CellState::free
+                                                             : CellState::unknown;
+  return {state, static_cast<float>(surface) / static_cast<float>(all), static_cast<std::uint8_t>(is_solid ? 1 : 0)};
 }
 
 }  // namespace
@@ -192,7 +88,7 @@ Result<GridCells> grid_cells(const GreyImage& image, const GridMapMetadata& meta
   cells.occupied_share.resize(count);
   cells.solid.resize(count);
 
-  const PixelStates pixels = surfaces_of(pixel_states(image, metadata));
+  const GridPixels pixels = grid_pixels(image, metadata);
   const Pose2 image_from_map = inverse(metadata.origin);
   const auto in_pixels = [&](double x, double y) {
     return (1 / metadata.resolution) * (image_from_map * Point2{x * cell_size, y * cell_size});

@@ -18,7 +18,7 @@ struct GridCells {
   std::int32_t width{0};
   std::int32_t height{0};
   std::vector<CellState> states{};
-  std::vector<float> occupied_share{};  ///< of a cell's area, 0..1
+  std::vector<float> occupied_share{};  ///< of a cell's area, 0..1, by what scans end on
   std::vector<std::uint8_t> solid{};    ///< not 0: occupied, and no beam passes
 
   [[nodiscard]] bool contains(CellIndex cell) const {
@@ -34,13 +34,11 @@ struct GridCells {
   }
 };
 
-/// A cell is occupied when anything in it is, free when most of it is, else unknown. A pixel is occupied when the map
-/// says so or calls it likelier than not (probability > 0.53; in maps of probabilities, and in ours, what was hit
-/// once), and solid when its probability is nearer to 1 than to the threshold, as all that is black. Of walls thicker
-/// than a pixel only the surface counts, the pixels beside free space: no scan ends behind it, but would be drawn onto
-/// the middle of all that is occupied. By sample points inside each cell, 4 × 4 or as many as it takes to meet every
-/// smaller pixel. Errors: pixels smaller than 1 mm, more than 1 km² of cells, or more than 1000 km from the origin.
-/// O(pixels + cells · samples).
+/// A cell is occupied when anything in it is (what that means, `grid_pixels` tells), free when most of it is, else
+/// unknown. It is solid when solid pixels fill half of it, or of what a wall one pixel wide fills where pixels are
+/// finer than cells: of two cells beside each other that a wall lies across a scan may end in the farther one. By
+/// sample points inside each cell, 4 × 4 or as many as it takes to meet every smaller pixel. Errors: pixels smaller
+/// than 1 mm, more than 1 km² of cells, or more than 1000 km from the origin. O(pixels + cells · samples).
 [[nodiscard]] Result<GridCells> grid_cells(const GreyImage& image, const GridMapMetadata& metadata, double cell_size);
 
 /// Hits `counts` · share of its area (at least 2) for an occupied cell, with one more pass than hits unless it is

@@ -37,11 +37,11 @@ void visit_fields(Params& params, Visitor&& visit) {
 
 /// The evidence is the grid itself, whatever its resolution and rotation: a cell of 0.05 m is occupied when anything in
 /// it is (with hits by the share of its area, so that walls stay where they are to less than a cell), and free when
-/// most of it is; of thick walls the surface counts alone. Each square of free space gets a virtual scan, at the clear
-/// cell nearest to its middle, for keypoints; its beams end on occupied cells, and have no return where they come to
-/// unknown ones. `map_from_sensor` of virtual scans has heading 0. Errors: no pixel is free; pixels smaller than 1 mm;
-/// the map covers more than 1 km², or lies more than 1000 km from its origin. Parallel; the same on any number of
-/// threads. O(16 · cells + pixels + scans · beams · reach).
+/// most of it is; what beams pass, and what thick walls are, is in `grid_pixels.hpp`. Each square of free space gets a
+/// virtual scan, at the clear cell nearest to its middle, for keypoints; its beams end on occupied cells, and have no
+/// return where they come to unknown ones. `map_from_sensor` of virtual scans has heading 0. Errors: no pixel is free;
+/// pixels smaller than 1 mm; the map covers more than 1 km², or lies more than 1000 km from its origin. Parallel; the
+/// same on any number of threads. O(16 · cells + pixels + scans · beams · reach).
 [[nodiscard]] Result<PlaceMap> place_map_from_grid(const GreyImage& image, const GridMapMetadata& metadata,
                                                    const GridPlaceMapParams& params = {},
                                                    const FeatureParams& features = {}, std::size_t threads = 0,

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <string>
 #include <vector>
 
 namespace flirt {
@@ -60,57 +59,73 @@ TEST(GridCells, AnyOccupiedFinePixelMakesItsCellOccupied) {
   }
 }
 
-/// Rows from the top: # occupied, . free, ? unknown.
-GridCells cells_of(const std::vector<std::string>& rows) {
-  GreyImage image{rows[0].size(), rows.size(), {}};
-  for (const std::string& row : rows) {
-    for (const char c : row) { image.pixels.push_back(c == '#' ? 0 : c == '.' ? 254 : 205); }
-  }
-  return grid_cells(image, {}, 0.05).value();
-}
-
-std::vector<std::string> rows_of(const GridCells& cells) {
-  std::vector<std::string> rows;
-  for (std::int32_t y = cells.height - 1; y >= 0; --y) {
-    rows.emplace_back();
-    for (std::int32_t x = 0; x < cells.width; ++x) {
-      const CellState state = cells.at({cells.first.x + x, cells.first.y + y});
-      rows.back() += state == CellState::occupied ? '#' : state == CellState::free ? '.' : '?';
-    }
-  }
-  return rows;
-}
-
-TEST(GridCells, OfThickWallsOnlyTheSurfaceIsOccupied) {
-  EXPECT_EQ(rows_of(cells_of({"######", "######", "##..##", "##..##", "######", "######"})),
-            (std::vector<std::string>{"??????", "?####?", "?#..#?", "?#..#?", "?####?", "??????"}));
-  EXPECT_EQ(rows_of(cells_of({".......", ".#####.", ".#####.", ".#####.", ".#####.", ".#####.", "......."})),
-            (std::vector<std::string>{".......", ".#####.", ".#???#.", ".#???#.", ".#???#.", ".#####.", "......."}));
-}
-
-TEST(GridCells, ThinWallsAndWallsBesideUnknownSpaceStay) {
-  for (const std::vector<std::string>& rows : {std::vector<std::string>{".....", "#####", "#####", "....."},
-                                               std::vector<std::string>{"#....", ".#...", "..#..", "...##"},
-                                               std::vector<std::string>{"?????", "?###?", "?????"}}) {
-    EXPECT_EQ(rows_of(cells_of(rows)), rows);
-  }
-  // A grey seam, as smoothing leaves it.
-  EXPECT_EQ(rows_of(cells_of({".....", "?????", "#####", "#####"})),
-            (std::vector<std::string>{".....", "?????", "#####", "?????"}));
-}
-
 TEST(GridCells, ShadesTellWhatBeamsPassFromWhatTheyDoNot) {
-  GreyImage image{5, 1, {0, 60, 115, 127, 205}};  // black, likely, likelier than not, and two ways to say unknown
+  GreyImage image{14, 1, std::vector<std::uint8_t>(14, 60)};  // dark, so that all that is occupied hangs together
+  image.pixels[0] = 0;
+  image.pixels[1] = 60;
+  image.pixels[12] = 115;  // likelier than not
+  image.pixels[13] = 205;
   const GridCells cells = grid_cells(image, {}, 0.05).value();
-  EXPECT_EQ(cells.states, (std::vector{CellState::occupied, CellState::occupied, CellState::occupied,
-                                       CellState::unknown, CellState::unknown}));
-  EXPECT_EQ(cells.solid, (std::vector<std::uint8_t>{1, 0, 0, 0, 0}));
   const EvidenceGrid evidence = evidence_of(cells, 8, 0.05);
   EXPECT_TRUE(evidence.cell({0, 0}).strong());
-  for (const std::int32_t x : {1, 2}) {
+  for (const std::int32_t x : {1, 12}) {
     EXPECT_TRUE(evidence.cell({x, 0}).occupied()) << x;
     EXPECT_FALSE(evidence.cell({x, 0}).strong()) << x;
   }
+  EXPECT_FALSE(evidence.cell({13, 0}).seen());
+}
+
+/// A free square of 4 m with a wall along its middle, x from left to right.
+GreyImage room_with_wall(double resolution, std::size_t thickness) {
+  const auto side = static_cast<std::size_t>(std::lround(4 / resolution));
+  GreyImage image{side, side, std::vector<std::uint8_t>(side * side, 254)};
+  const auto first = image.pixels.begin() + static_cast<std::ptrdiff_t>(side / 2 * side);
+  std::fill(first, first + static_cast<std::ptrdiff_t>(thickness * side), 0);
+  return image;
+}
+
+TEST(GridCells, HardlyAnyBeamGetsThroughAWallHoweverTheMapIsTurned) {
+  for (const double resolution : {0.1, 0.05, 0.025}) {
+    for (const std::size_t thickness : {1U, 2U, 3U, 5U}) {
+      int through = 0;
+      int beams = 0;
+      for (double turn = 0; turn < std::numbers::pi; turn += 0.13) {
+        const GridMapMetadata metadata{.resolution = resolution, .origin = {0.017, 0.031, turn}};
+        const GridCells cells = grid_cells(room_with_wall(resolution, thickness), metadata, 0.05).value();
+        for (double x = 0.5; x < 3.5; x += 0.01) {
+          bool is_stopped = false;
+          traverse(fixed_point(20.0 * (metadata.origin * Point2{x, 1.0})),
+                   fixed_point(20.0 * (metadata.origin * Point2{x, 3.0})), [&](std::int32_t column, std::int32_t row) {
+                     is_stopped |= cells.contains({column, row}) && cells.solid[cells.offset({column, row})] != 0;
+                   });
+          through += is_stopped ? 0 : 1;
+          ++beams;
+        }
+      }
+      EXPECT_LT(through, beams / 100) << resolution << " " << thickness;
+    }
+  }
+}
+
+TEST(GridCells, AThinWallAcrossTwoRowsOfCellsIsSolidInOne) {
+  const GridCells cells = grid_cells(room_with_wall(0.05, 1), {.origin = {0, 0.035, 0}}, 0.05).value();
+  std::vector<std::int32_t> occupied;
+  std::vector<std::int32_t> solid;
+  for (std::int32_t y = cells.first.y; y < cells.first.y + cells.height; ++y) {
+    if (cells.at({40, y}) == CellState::occupied) { occupied.push_back(y); }
+    if (cells.solid[cells.offset({40, y})] != 0) { solid.push_back(y); }
+  }
+  EXPECT_EQ(occupied, (std::vector{39, 40}));
+  EXPECT_EQ(solid, (std::vector{40}));
+}
+
+TEST(GridCells, TheCoreOfAThickWallStopsBeamsAndHardlyDrawsScans) {
+  const GridCells cells = grid_cells(room_with_wall(0.05, 3), {}, 0.05).value();
+  const EvidenceGrid evidence = evidence_of(cells, 8, 0.05);
+  for (const std::int32_t front : {37, 39}) {
+    EXPECT_EQ(evidence.cell({40, front}), (EvidenceCell{.hits = 8, .passes = 9})) << front;
+  }
+  EXPECT_EQ(evidence.cell({40, 38}), (EvidenceCell{.hits = 2, .passes = 0}));
 }
 
 TEST(GridCells, ATurnedImageHasNoHoles) {
