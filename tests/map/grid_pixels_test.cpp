@@ -12,11 +12,11 @@
 namespace flirt {
 namespace {
 
-constexpr std::uint8_t black = 0;
-constexpr std::uint8_t white = 254;
+constexpr std::uint8_t occupied_shade = 0;
+constexpr std::uint8_t free_shade = 254;
 
 GreyImage room(std::size_t side) {
-  return {side, side, std::vector<std::uint8_t>(side * side, white)};
+  return {side, side, std::vector<std::uint8_t>(side * side, free_shade)};
 }
 
 /// Blackens what lies within half of `thickness` of the segment, pixels.
@@ -26,7 +26,9 @@ void draw_wall(GreyImage& image, Point2 from, Point2 to, double thickness) {
     for (std::size_t column = 0; column < image.width; ++column) {
       const Point2 pixel{static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5};
       const double part = std::clamp(dot(pixel - from, along) / dot(along, along), 0.0, 1.0);
-      if (norm(pixel - (from + part * along)) <= thickness / 2) { image.pixels[row * image.width + column] = black; }
+      if (norm(pixel - (from + part * along)) <= thickness / 2) {
+        image.pixels[row * image.width + column] = occupied_shade;
+      }
     }
   }
 }
@@ -51,7 +53,7 @@ std::vector<std::string> rows_of(const GridPixels& pixels) {
 std::vector<std::string> parts(const std::vector<std::string>& rows) {
   GreyImage image{rows[0].size(), rows.size(), {}};
   for (const std::string& row : rows) {
-    for (const char c : row) { image.pixels.push_back(c == '#' ? black : c == '.' ? white : 205); }
+    for (const char c : row) { image.pixels.push_back(c == '#' ? occupied_shade : c == '.' ? free_shade : 205); }
   }
   return rows_of(grid_pixels(image, {.resolution = 1}));
 }
@@ -91,7 +93,7 @@ TEST(GridPixels, AWallIsAWallHoweverItIsTurned) {
 TEST(GridPixels, PiecesHangTogetherAcrossCorners) {
   const auto stairs = [](std::size_t steps) {
     GreyImage image = room(20);
-    for (std::size_t i = 3; i < 3 + steps; ++i) { image.pixels[i * 20 + i] = black; }
+    for (std::size_t i = 3; i < 3 + steps; ++i) { image.pixels[i * 20 + i] = occupied_shade; }
     return count(grid_pixels(image, {.resolution = 0.05}), GridPixel::solid);
   };
   EXPECT_EQ(stairs(9), 9U);
@@ -100,8 +102,8 @@ TEST(GridPixels, PiecesHangTogetherAcrossCorners) {
 
 TEST(GridPixels, WhatIsGreyConnectsButIsNotSolid) {
   GreyImage image{20, 1, std::vector<std::uint8_t>(20, 60)};
-  image.pixels[4] = black;
-  image.pixels[15] = black;
+  image.pixels[4] = occupied_shade;
+  image.pixels[15] = occupied_shade;
   EXPECT_EQ(rows_of(grid_pixels(image, {.resolution = 0.05})), (std::vector<std::string>{"++++#++++++++++#++++"}));
 }
 
