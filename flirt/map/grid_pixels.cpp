@@ -17,11 +17,11 @@ using Meanings = std::array<GridPixel, 256>;  // by grey value
 GridPixel meaning_alone(std::uint8_t value, const GridMapMetadata& metadata) {
   const double probability = occupancy(value, metadata);
   const CellState state = cell_state(value, metadata);
-  if (probability > 1.0 || state == CellState::free) {
-    return state == CellState::free ? GridPixel::free : GridPixel::unknown;
+  const bool is_likely = probability > likely && probability <= 1.0;
+  if (is_likely || state == CellState::occupied) {
+    return probability >= (1.0 + metadata.occupied_thresh) / 2 ? GridPixel::solid : GridPixel::passed;
   }
-  if (probability <= likely && state != CellState::occupied) { return GridPixel::unknown; }
-  return probability >= (1.0 + metadata.occupied_thresh) / 2 ? GridPixel::solid : GridPixel::passed;
+  return state == CellState::free ? GridPixel::free : GridPixel::unknown;
 }
 
 /// Whether unseen space, the commonest of the values that mean neither free nor occupied, is shown as even odds.
