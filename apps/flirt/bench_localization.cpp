@@ -4,13 +4,13 @@
 #include "flirt/eval/localization.hpp"
 #include "flirt/eval/localization_ablation.hpp"
 #include "flirt/io/file.hpp"
-#include "flirt/io/log.hpp"
 #include "flirt/map/place_map.hpp"
 
 #include "apps/flirt/command.hpp"
 #include "apps/flirt/feature_flags.hpp"
 #include "apps/flirt/localization_outputs.hpp"
 #include "apps/flirt/localize_flags.hpp"
+#include "apps/flirt/posed_log.hpp"
 #include "apps/flirt/tracking_log.hpp"
 
 #include <fmt/format.h>
@@ -25,6 +25,7 @@ namespace {
 
 struct BenchLocalizationOptions {
   std::string log;
+  std::string poses;  ///< trajectory to take instead of the log's
   std::string out;
   std::string protocol{"paper"};
   FeatureFlags features;
@@ -73,39 +74,36 @@ int run(BenchLocalizationOptions& options, const Session& session) {
   }
   const std::vector<LocalizationVariant> variants =
       options.ablation ? variants_of(options) : std::vector<LocalizationVariant>{};
-  LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
-  if (loaded.log.map_from_robot.empty()) {
-    throw BadInput(options.log + ": expected a log with poses (they are the truth), found none");
+  const bool joins = options.bench.join > 1;
+  if (joins && (options.protocol != "revisit" || options.bench.localize.method == LocalizeMethod::papers)) {
+    throw UsageError("--join: expected --protocol revisit and a --method other than papers with it");
   }
-  if (options.bench.join > 1) {
-    if (options.protocol != "revisit" || options.bench.localize.method == LocalizeMethod::papers) {
-      throw UsageError("--join: expected --protocol revisit and a --method other than papers with it");
-    }
-    loaded.log = log_to_track(options.log, session);
-  }
+  const ScanLog log = joins ? log_to_track(options.log, session, options.poses)
+                            : read_posed_log(options.log, options.poses, session).log;
   std::vector<LoadedLog> others;
   others.reserve(options.distractors.size());
   for (const std::string& other : options.distractors) { others.push_back(value_or_quit(read_log(other))); }
   const PlaceMap map = value_or_quit(
-      build_place_map(loaded.log, options.features.features(), session.threads, progress_bar(session, "features")));
+      build_place_map(log, options.features.features(), session.threads, progress_bar(session, "features")));
   LocalizationRun done{.log = options.log,
+                       .poses = options.poses,
                        .protocol = options.protocol,
                        .method = options.localize.method(),
                        .every = options.bench.every,
                        .join = options.bench.join,
                        .params = options.params.json()};
-  done.bench = bench_localization(loaded.log, map, options.bench, session.threads, progress_bar(session, "localizing"));
+  done.bench = bench_localization(log, map, options.bench, session.threads, progress_bar(session, "localizing"));
   for (std::size_t i = 0; i < others.size(); ++i) {
     done.distractors.push_back(
         {options.distractors[i], ask_distractors(others[i].log, map, options.bench.every, options.bench.localize,
                                                  session.threads, progress_bar(session, "distractors"))});
   }
   if (options.ablation) {
-    done.ablation = ablate_localization(loaded.log, map, options.bench, variants, session.threads,
-                                        progress_bar(session, "ablation"));
+    done.ablation =
+        ablate_localization(log, map, options.bench, variants, session.threads, progress_bar(session, "ablation"));
   }
   const nlohmann::ordered_json json = localization_json(done, session);
-  if (!options.out.empty()) { write_files(value_or_quit(folder_for_results(options.out)), done, loaded.log, json); }
+  if (!options.out.empty()) { write_files(value_or_quit(folder_for_results(options.out)), done, log, json); }
   write_json(session, json);
   if (session.talks()) {
     fmt::print("{}", localization_text(done));
@@ -121,7 +119,8 @@ void add_bench_localization(CLI::App& bench, Session& session) {
   CLI::App* command =
       add_command(bench, session, "localization", "Find single scans of a log in the map of its other scans.",
                   "flirt bench localization fr079.log.gz --protocol revisit --every 3 -o results");
-  command->add_option("LOG", options->log, "log with corrected poses")->required();
+  command->add_option("LOG", options->log, "log with corrected poses (they are the truth)")->required();
+  command->add_option("--poses", options->poses, poses_flag_help);
   command
       ->add_option("--protocol", options->protocol,
                    "paper: only the query leaves the map; revisit: 10 m of travel around it (default paper)")

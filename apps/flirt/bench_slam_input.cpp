@@ -61,17 +61,13 @@ double parse_bound(const std::string& text) {
   return bound;
 }
 
-/// The true pose of each scan by its stamp; empty when one has none.
+/// The true pose of each scan; empty when one has none.
 std::vector<Pose2> true_poses(const ScanLog& log, const std::vector<StampedPose>& truth) {
-  std::vector<StampedPose> indexed;
-  indexed.reserve(log.scans.size());
-  for (std::size_t i = 0; i < log.scans.size(); ++i) {
-    indexed.push_back({log.scans[i].stamp, {static_cast<double>(i), 0, 0}});  // x carries the index
+  std::vector<Pose2> poses;
+  for (const std::optional<Pose2>& pose : poses_of_scans(log, truth)) {
+    if (!pose) { return {}; }
+    poses.push_back(*pose);
   }
-  const PairedTrajectory paired = pairs_by_stamp(indexed, truth);
-  if (paired.skipped > 0) { return {}; }
-  std::vector<Pose2> poses(log.scans.size());
-  for (const PosePair& pair : paired.pairs) { poses[static_cast<std::size_t>(pair.estimate.x)] = pair.truth; }
   return poses;
 }
 

@@ -132,6 +132,7 @@ nlohmann::ordered_json localization_json(const LocalizationRun& run, const Sessi
                               {"queries", bench.queries},
                               {"answerable", bench.answerable},
                               {"features_per_scan", bench.features_per_scan}};
+  if (!run.poses.empty()) { json["poses"] = run.poses; }
   for (const StrategyCurve& curve : bench.strategies) {
     json["strategies"][std::string(to_string(curve.strategy))] = strategy_json(curve);
   }

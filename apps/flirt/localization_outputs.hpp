@@ -23,6 +23,7 @@ struct DistractorRun {
 /// What a run gave.
 struct LocalizationRun {
   std::string log;
+  std::string poses;  ///< file of the trajectory; empty: the log's own
   std::string protocol;
   std::string method;
   std::size_t every{1};

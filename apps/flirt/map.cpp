@@ -1,13 +1,13 @@
 // apps/flirt/map.cpp: `flirt map`, a place map from a log with poses or from a ROS grid map.
 #include "flirt/io/feature_params_json.hpp"
 #include "flirt/io/flirt_map.hpp"
-#include "flirt/io/log.hpp"
 #include "flirt/io/ros_map.hpp"
 #include "flirt/map/grid_place_map.hpp"
 #include "flirt/map/place_map.hpp"
 
 #include "apps/flirt/command.hpp"
 #include "apps/flirt/feature_flags.hpp"
+#include "apps/flirt/posed_log.hpp"
 
 #include <fmt/format.h>
 
@@ -23,6 +23,7 @@ namespace {
 struct MapOptions {
   std::string log;  ///< or a grid map's YAML file
   std::string out;
+  std::string poses;  ///< trajectory to take instead of the log's
   std::size_t every{1};
   bool variances{false};
   FeatureFlags features;
@@ -52,6 +53,7 @@ bool is_grid_map(const MapOptions& options) {
   if (is_yaml && options.every != 1) {
     throw UsageError("--every: expected only with a log, found a grid map (see --grid-spacing)");
   }
+  if (is_yaml && !options.poses.empty()) { throw UsageError("--poses: expected only with a log, found a grid map"); }
   return is_yaml;
 }
 
@@ -92,10 +94,7 @@ void map_grid(const MapOptions& options, const Session& session) {
 }
 
 void map_log(const MapOptions& options, const Session& session) {
-  LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
-  if (loaded.log.map_from_robot.empty()) {
-    throw BadInput(options.log + ": expected a log with poses, found none (flirt slam finds them)");
-  }
+  LoadedLog loaded = read_posed_log(options.log, options.poses, session);
   const Result<PlaceMap> map =
       build_place_map(thinned(std::move(loaded.log), options.every), options.features.features(), session.threads,
                       progress_bar(session, "features"), options.kept_variances());
@@ -126,6 +125,7 @@ void add_map(CLI::App& program, Session& session) {
                   "flirt map fr079.log.gz -o fr079.flirt (or: flirt map office.yaml -o office.flirt)");
   command->add_option("LOG", options->log, "log with corrected poses, or the .yaml file of a ROS grid map")->required();
   command->add_option("-o,--output", options->out, "map file to write")->required();
+  command->add_option("--poses", options->poses, poses_flag_help);
   command->add_option("--every", options->every, "keep every K-th scan (default 1)")->check(CLI::Range(1, 1000000));
   command->add_flag("--variances", options->variances,
                     "keep the variances of descriptors, for the distance variance-chi-square");

@@ -1,17 +1,19 @@
 #include "apps/flirt/tracking_log.hpp"
 
-#include "flirt/io/log.hpp"
 #include "flirt/sim/odometry.hpp"
 
+#include "apps/flirt/posed_log.hpp"
+
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace flirt::app {
 
-ScanLog log_to_track(const std::string& path, const Session& session) {
-  const LoadedLog loaded = value_or_quit(read_log(path, {}, progress_bar(session, "reading")));
-  ScanLog log = loaded.log;
-  if (loaded.report.poses == PoseSource::none || loaded.report.poses == PoseSource::odometry) {
+ScanLog log_to_track(const std::string& path, const Session& session, const std::string& poses) {
+  LoadedLog loaded = read_posed_log(path, poses, session);
+  ScanLog log = std::move(loaded.log);
+  if (loaded.report.poses == PoseSource::odometry) {
     throw BadInput(path + ": expected a log with corrected poses (they are the truth), found none");
   }
   const bool has_odometry =

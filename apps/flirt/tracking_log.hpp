@@ -9,8 +9,8 @@
 
 namespace flirt::app {
 
-/// A log with poses, and with odometry: its own, or, where it has none but its corrected poses, what a fair robot's
-/// wheels would have said on that way (sim/odometry.hpp), by the session's seed.
-[[nodiscard]] ScanLog log_to_track(const std::string& path, const Session& session);
+/// A log with poses (see `read_posed_log`), and with odometry: its own, or, where it has none but its corrected poses,
+/// what a fair robot's wheels would have said on that way (sim/odometry.hpp), by the session's seed.
+[[nodiscard]] ScanLog log_to_track(const std::string& path, const Session& session, const std::string& poses = {});
 
 }  // namespace flirt::app

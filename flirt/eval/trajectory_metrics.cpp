@@ -49,6 +49,26 @@ class StampIndex {
   std::vector<std::size_t> by_stamp_;
 };
 
+/// Poses of a trajectory, each given away once.
+class Partners {
+ public:
+  explicit Partners(std::span<const StampedPose> poses) : poses_(poses), index_(poses), taken_(poses.size(), false) {}
+
+  /// The nearest within `tolerance`; where stamps repeat, the next in order.
+  std::optional<Pose2> take(double stamp, double tolerance) {
+    std::optional<std::size_t> partner = index_.nearest(stamp, tolerance);
+    if (partner) { partner = index_.first_free(*partner, taken_); }
+    if (!partner) { return std::nullopt; }
+    taken_[*partner] = true;
+    return poses_[*partner].map_from_robot;
+  }
+
+ private:
+  std::span<const StampedPose> poses_;
+  StampIndex index_;
+  std::vector<bool> taken_;
+};
+
 /// Translations and turns that become a TrajectoryError.
 struct Errors {
   std::vector<double> translation{};
@@ -84,20 +104,25 @@ std::size_t nearest_after(const std::vector<double>& way, std::size_t i, double 
 
 PairedTrajectory pairs_by_stamp(std::span<const StampedPose> estimate, std::span<const StampedPose> truth,
                                 double tolerance) {
-  const StampIndex index(truth);
-  std::vector<bool> taken(truth.size(), false);
+  Partners partners(truth);
   PairedTrajectory paired;
   for (const auto& [stamp, pose] : estimate) {
-    auto partner = index.nearest(stamp, tolerance);
-    if (partner) { partner = index.first_free(*partner, taken); }
-    if (!partner) {
+    if (const std::optional<Pose2> partner = partners.take(stamp, tolerance)) {
+      paired.pairs.push_back({stamp, pose, *partner});
+    } else {
       ++paired.skipped;
-      continue;
     }
-    taken[*partner] = true;
-    paired.pairs.push_back({stamp, pose, truth[*partner].map_from_robot});
   }
   return paired;
+}
+
+std::vector<std::optional<Pose2>> poses_of_scans(const ScanLog& log, std::span<const StampedPose> trajectory,
+                                                 double tolerance) {
+  Partners partners(trajectory);
+  std::vector<std::optional<Pose2>> poses;
+  poses.reserve(log.scans.size());
+  for (const Scan& scan : log.scans) { poses.push_back(partners.take(scan.stamp, tolerance)); }
+  return poses;
 }
 
 Pose2 align_trajectories(std::span<const PosePair> pairs) {

@@ -7,10 +7,12 @@
 #pragma once
 
 #include "flirt/core/pose2.hpp"
+#include "flirt/core/scan.hpp"
 #include "flirt/core/stamped_pose.hpp"
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,6 +33,11 @@ struct PairedTrajectory {
 /// pose has one partner at most; where stamps repeat, poses pair in their order. O((n + m) log m) for distinct stamps.
 [[nodiscard]] PairedTrajectory pairs_by_stamp(std::span<const StampedPose> estimate, std::span<const StampedPose> truth,
                                               double tolerance = 0.0005);
+
+/// The trajectory's pose of each scan of a log, paired by stamps as above; nothing where it has none.
+[[nodiscard]] std::vector<std::optional<Pose2>> poses_of_scans(const ScanLog& log,
+                                                               std::span<const StampedPose> trajectory,
+                                                               double tolerance = 0.0005);
 
 /// truth_from_estimate of least Σ |truth − truth_from_estimate · estimate|² over positions (Umeyama 1991 without
 /// scale). When all positions of a side coincide no rotation is better than another: then the one that matches the

@@ -164,6 +164,29 @@ class Cli(unittest.TestCase):
         self.assertEqual(done.returncode, 4)
         self.assertEqual(json.loads(done.stdout)["queries"][0]["verdict"], "lost")
 
+    def test_map_of_a_log_at_the_poses_of_another_program(self):
+        """A log of odometry alone, and a trajectory without its last ten scans."""
+        raw, truth = self.work / "posed.log", self.work / "posed.log.truth.tum"
+        self.ok("simulate", "-o", raw, "--rounds", 1, "--office-area", 200, "--drive-round-length", 20, "--quiet")
+        poses = [line for line in truth.read_text().splitlines() if not line.startswith("#")]
+        some = self.work / "some.tum"
+        some.write_text("\n".join(poses[:-10]) + "\n")
+        out = self.work / "posed.flirt"
+        found = self.json("map", raw, "--poses", some, "-o", out)
+        self.assertEqual((found["map_scans"], found["poses"]), (len(poses) - 10, "corrected_and_odometry"))
+        for answer in self.json("localize", out, raw, "--every", 7)["queries"]:
+            x, y = map(float, poses[answer["scan"]].split()[1:3])
+            best = answer["hypotheses"][0]
+            self.assertLess(math.hypot(best["x"] - x, best["y"] - y), 0.2, answer["scan"])
+        found = self.json("bench", "localization", raw, "--poses", truth, "--every", 20)
+        self.assertEqual((found["poses"], found["queries"]), (str(truth), -(-len(poses) // 20)))
+        other = self.work / "other.tum"
+        other.write_text("1e9 0 0 0 0 0 0 1\n")
+        done = run("map", raw, "--poses", other, "-o", self.work / "none.flirt")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("expected poses with stamps of scans", done.stderr)
+        self.assertFalse((self.work / "none.flirt").exists())
+
     def test_a_map_needs_poses(self):
         raw = self.work / "raw.log"
         raw.write_text("RAWLASER1 0 -1.57 3.14 0.01745 50 0.1 0 3 1 2 3 0 1.0 host 1.0\n")

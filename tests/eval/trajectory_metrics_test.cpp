@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
+#include <vector>
 
 namespace flirt {
 namespace {
@@ -94,6 +96,18 @@ TEST(PairsByStamp, TakesTheNearestWithinTheToleranceAndCountsTheOthers) {
   EXPECT_EQ(paired.pairs[0].truth.x, 1);
   EXPECT_EQ(paired.pairs[1].truth.x, 3);
   EXPECT_EQ(pairs_by_stamp(estimate, truth, 0.2).pairs.size(), 3U);
+}
+
+TEST(PosesOfScans, NothingWhereTheTrajectoryHasNone) {
+  ScanLog log;
+  for (const double stamp : {1.0, 1.0, 2.0, 3.0}) { log.scans.push_back({.stamp = stamp}); }
+  const std::vector<StampedPose> trajectory{{1, {1, 0, 0}}, {1, {2, 0, 0}}, {3, {3, 0, 0}}, {4, {4, 0, 0}}};
+  const std::vector<std::optional<Pose2>> poses = poses_of_scans(log, trajectory);
+  ASSERT_EQ(poses.size(), 4U);
+  EXPECT_EQ(poses[0].value_or(Pose2{}).x, 1);
+  EXPECT_EQ(poses[1].value_or(Pose2{}).x, 2);
+  EXPECT_FALSE(poses[2].has_value());
+  EXPECT_EQ(poses[3].value_or(Pose2{}).x, 3);
 }
 
 TEST(PairsByStamp, PairsRepeatedStampsInTheirOrder) {
