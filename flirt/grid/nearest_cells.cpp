@@ -33,6 +33,10 @@ void take_minimum(Key* best, const Key* other, Key add, std::size_t n) {
   }
 }
 
+bool has_mark(std::span<const std::uint8_t> row) {
+  return std::ranges::any_of(row, [](std::uint8_t mark) { return mark != 0; });
+}
+
 /// In one row: squared distance and step to the nearest marked cell. `padded` is scratch.
 void nearest_in_row(const std::uint8_t* marked, std::size_t width, int reach, std::vector<Key>& padded, Key* best) {
   const auto margin = static_cast<std::size_t>(reach);
@@ -52,31 +56,39 @@ void nearest_in_row(const std::uint8_t* marked, std::size_t width, int reach, st
 std::vector<CellOffset> nearest_cells(std::span<const std::uint8_t> marked, std::size_t width, int reach) {
   FLIRT_ASSERT(reach >= 1 && reach <= longest_reach && width > 0 && marked.size() % width == 0);
   const std::size_t height = marked.size() / width;
-  std::vector<Key> in_row(marked.size());
-  std::vector<Key> scratch;
-  for (std::size_t y = 0; y < height; ++y) {
-    nearest_in_row(&marked[y * width], width, reach, scratch, &in_row[y * width]);
-  }
-  std::vector<Key> distance_in_row(marked.size());  // without the step in x
-  for (std::size_t i = 0; i < marked.size(); ++i) { distance_in_row[i] = static_cast<Key>(in_row[i] & ~step_mask); }
-
   std::vector<CellOffset> nearest(marked.size());
+  std::vector<std::size_t> marked_rows;
+  for (std::size_t y = 0; y < height; ++y) {
+    if (has_mark(marked.subspan(y * width, width))) { marked_rows.push_back(y); }
+  }
+  if (marked_rows.empty()) { return nearest; }
+  std::vector<Key> in_row(marked.size());           // of rows without marks: not used
+  std::vector<Key> distance_in_row(marked.size());  // without the step in x
+  std::vector<Key> scratch;
+  for (const std::size_t y : marked_rows) {
+    nearest_in_row(&marked[y * width], width, reach, scratch, &in_row[y * width]);
+    for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
+      distance_in_row[i] = static_cast<Key>(in_row[i] & ~step_mask);
+    }
+  }
+
   std::vector<Key> best(width);
   for (std::size_t y = 0; y < height; ++y) {
     std::fill(best.begin(), best.end(), key(far, 0));
-    const int first = std::max(-reach, -static_cast<int>(std::min(y, std::size_t{longest_reach})));
-    const int last = std::min(reach, static_cast<int>(std::min(height - 1 - y, std::size_t{longest_reach})));
-    for (int step = first; step <= last; ++step) {
-      const std::size_t row = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(y) + step) * width;
-      take_minimum(best.data(), &distance_in_row[row], key(step * step, step), width);
+    const auto margin = static_cast<std::size_t>(reach);
+    auto row = std::ranges::lower_bound(marked_rows, y - std::min(y, margin));
+    if (row == marked_rows.end() || *row > y + margin) { continue; }
+    for (; row != marked_rows.end() && *row <= y + margin; ++row) {
+      const int step = static_cast<int>(*row) - static_cast<int>(y);
+      take_minimum(best.data(), &distance_in_row[*row * width], key(step * step, step), width);
     }
     for (std::size_t x = 0; x < width; ++x) {
       const int squared = squared_distance_of(best[x]);
       if (squared > reach * reach) { continue; }
       const int dy = step_of(best[x]);
-      const std::size_t row = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(y) + dy) * width;
-      nearest[y * width + x] = {static_cast<std::int8_t>(step_of(in_row[row + x])), static_cast<std::int8_t>(dy),
-                                static_cast<std::uint8_t>(squared)};
+      const std::size_t nearest_row = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(y) + dy) * width;
+      nearest[y * width + x] = {static_cast<std::int8_t>(step_of(in_row[nearest_row + x])),
+                                static_cast<std::int8_t>(dy), static_cast<std::uint8_t>(squared)};
     }
   }
   return nearest;

@@ -158,36 +158,59 @@ void fill_lines(MapTile& tile, const Window& window, const std::vector<CellOffse
   }
 }
 
-/// Number of whole cells that a ray from any point of a cell may go before it can meet a marked one: centres are
-/// `distance` cells apart, and both points may lie half a diagonal off.
-double clear_cells(const CellOffset& marked) {
-  const double beyond_reach = longest_reach;
-  const bool none = marked.squared_distance == CellOffset::none;
-  return std::max(0.0, (none ? beyond_reach : std::sqrt(marked.squared_distance)) - std::numbers::sqrt2);
+/// `MapTile::clearance` by the squared distance between the centres of two cells, `scale` cells to a unit of it: as far
+/// as a ray from any point of one may go before it can meet the other, since both points may lie half a diagonal off.
+using ClearanceOf = std::array<std::uint8_t, CellOffset::none + 1>;
+ClearanceOf clearances(double scale, double least) {
+  ClearanceOf clearance{};
+  for (std::size_t squared = 0; squared < clearance.size(); ++squared) {
+    const double away = squared == CellOffset::none ? longest_reach : std::sqrt(static_cast<double>(squared));
+    clearance[squared] = static_cast<std::uint8_t>(std::max(least, scale * (away - std::numbers::sqrt2)));
+  }
+  return clearance;
+}
+
+/// Blocks of 4 × 4 cells of the window that hold one with the mark.
+Raster<std::uint8_t> blocks_with(const Window& window, std::uint8_t mark, std::int32_t around) {
+  const std::int32_t cells = side + 2 * around;
+  Raster<std::uint8_t> blocks(cells / block, cells / block);
+  for (std::int32_t y = 0; y < cells; ++y) {
+    const std::uint8_t* const row = &window.marks.at(window.margin - around, y + window.margin - around);
+    std::uint8_t* const to = &blocks.at(0, y / block);
+    for (std::int32_t x = 0; x < blocks.width; ++x) {
+      const std::uint8_t* const four = row + static_cast<std::ptrdiff_t>(block) * x;
+      to[x] |= static_cast<std::uint8_t>((four[0] | four[1] | four[2] | four[3]) & mark);
+    }
+  }
+  return blocks;
 }
 
 /// For each cell how far a ray may go before it can meet a solid one, in cells: by the distance transform at full
 /// resolution, and far from all walls by one over blocks of 4 × 4 cells, which reaches four times as far.
 void fill_clearance(MapTile& tile, const Window& window) {
-  const Raster<std::uint8_t> solid = window.only(TileMarks::strong, longest_reach);
-  const Raster<std::uint8_t> wide = window.only(TileMarks::strong, clearance_margin);
-  Raster<std::uint8_t> blocks(wide.width / block, wide.height / block);
-  for (std::int32_t y = 0; y < wide.height; ++y) {
-    for (std::int32_t x = 0; x < wide.width; ++x) { blocks.at(x / block, y / block) |= wide.at(x, y); }
+  static const ClearanceOf near_clearance = clearances(1, 0);
+  static const ClearanceOf far_clearance = clearances(block, longest_reach - std::numbers::sqrt2);
+  const Raster<std::uint8_t> blocks = blocks_with(window, TileMarks::strong, clearance_margin);
+  if (std::ranges::count(blocks.cells, 0) == std::ssize(blocks.cells)) {
+    tile.clearance.fill(MapTile::clear);
+    return;
   }
+  const Raster<std::uint8_t> solid = window.only(TileMarks::strong, longest_reach);
   const std::vector<CellOffset> near = nearest_cells(solid.cells, static_cast<std::size_t>(solid.width), longest_reach);
   const std::vector<CellOffset> far =
       nearest_cells(blocks.cells, static_cast<std::size_t>(blocks.width), longest_reach);
   for (std::int32_t y = 0; y < side; ++y) {
     for (std::int32_t x = 0; x < side; ++x) {
-      const CellOffset& offset = nearest_at(near, longest_reach, x, y);
-      double clear = clear_cells(offset);
-      if (offset.squared_distance == CellOffset::none) {
+      const std::uint8_t squared = nearest_at(near, longest_reach, x, y).squared_distance;
+      std::uint8_t& clearance = tile.clearance[MapTile::offset(x, y)];
+      if (squared == 0) {
+        clearance = MapTile::solid;
+      } else if (squared != CellOffset::none) {
+        clearance = near_clearance[squared];
+      } else {
         const std::size_t at = blocks.offset((x + clearance_margin) / block, (y + clearance_margin) / block);
-        clear = std::max(clear, block * clear_cells(far[at]));
+        clearance = far_clearance[far[at].squared_distance];
       }
-      tile.clearance[MapTile::offset(x, y)] =
-          offset.squared_distance == 0 ? MapTile::solid : static_cast<std::uint8_t>(clear);
     }
   }
 }
