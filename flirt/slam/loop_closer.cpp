@@ -255,9 +255,13 @@ std::vector<Closure> LoopCloser::anywhere(std::span<const SlamScan> scans, std::
   const bool is_due = since >= params_.global_after && travel - last_search_ >= every;
   const bool is_prepared = lost_at_ && since >= params_.global_after / 3;  // who is lost then has the map ready
   if (!is_due && !is_prepared) { return {}; }
-  const auto first_recent = std::ranges::upper_bound(travel_, travel - params_.global_min_travel);
-  const auto earlier = static_cast<std::size_t>(first_recent - travel_.begin());
-  if (!places_.update(scans, map_from_node, earlier, most_placed) || !is_due) { return {}; }
+  const bool is_ready = places_ready_ && *places_ready_ + 1 == queries_;
+  if (!is_due || !is_ready) {  // to bring the map up to date and to search it would be too much for one scan
+    const auto first_recent = std::ranges::upper_bound(travel_, travel - params_.global_min_travel);
+    const auto earlier = static_cast<std::size_t>(first_recent - travel_.begin());
+    if (places_.update(scans, map_from_node, earlier, most_placed)) { places_ready_ = queries_; }
+    return {};
+  }
   last_search_ = travel;
   const std::optional<FoundPlace> place = places_.find(scans[node].scan);
   if (!place || !gather(scans, map_from_node, place->map_from_robot, sight)) { return {}; }

@@ -88,8 +88,9 @@ class LoopCloser {
   std::size_t queries_{0};        ///< so far
   std::vector<Found> waiting_{};  ///< places found near the pose in the graph, not yet believed; they agree
   GlobalPlaces places_{};
-  double last_search_{0};                  ///< m of travel, of the whole map
-  std::vector<Found> waiting_anywhere_{};  ///< places found in the whole map that agree with each other
+  std::optional<std::size_t> places_ready_{};  ///< query after which they were those of all earlier scans
+  double last_search_{0};                      ///< m of travel, of the whole map
+  std::vector<Found> waiting_anywhere_{};      ///< places found in the whole map that agree with each other
 };
 
 }  // namespace flirt
