@@ -1,6 +1,7 @@
 #include "flirt/map/place_map.hpp"
 
 #include "flirt/core/assert.hpp"
+#include "flirt/registration/map_fields.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -121,6 +122,37 @@ void append(MapVector<T>& column, const std::vector<T>& values) {
   column.insert(column.end(), values.begin(), values.end());
 }
 
+std::string too_wide(double width, double height) {
+  return "expected scans near each other, in a box of up to 100 km², found one of " +
+         std::to_string(std::llround(width)) + " m x " + std::to_string(std::llround(height)) + " m";
+}
+
+/// Empty when the evidence can be searched.
+std::string wrong_extent(const EvidenceGrid& evidence) {
+  const auto box = evidence.bounds();
+  const double cell = evidence.params().cell_size;
+  if (!box || is_mappable(*box)) { return {}; }
+  return too_wide(static_cast<double>(box->width()) * cell, static_cast<double>(box->height()) * cell);
+}
+
+/// The same of the evidence that there will be.
+std::string wrong_extent(const ScanLog& log) {
+  if (log.scans.empty()) { return {}; }
+  const EvidenceGrid grid;
+  Point2 min = log.map_from_sensor(0).translation();
+  Point2 max = min;
+  for (std::size_t i = 1; i < log.scans.size(); ++i) {
+    const Point2 at = log.map_from_sensor(i).translation();
+    min = {std::min(min.x, at.x), std::min(min.y, at.y)};
+    max = {std::max(max.x, at.x), std::max(max.y, at.y)};
+  }
+  const double reach = grid.params().range_max + EvidenceGrid::tile_side * grid.params().cell_size;
+  min = min - Point2{reach, reach};
+  max = max + Point2{reach, reach};
+  if (is_mappable({grid.index(min), grid.index(max)})) { return {}; }
+  return too_wide(max.x - min.x, max.y - min.y);
+}
+
 /// What keeps a log from being a map; empty when nothing does.
 std::string wrong_log(const ScanLog& log) {
   if (log.map_from_robot.size() != log.scans.size()) {
@@ -133,7 +165,7 @@ std::string wrong_log(const ScanLog& log) {
              ", found none";
     }
   }
-  return {};
+  return wrong_extent(log);
 }
 
 }  // namespace
@@ -162,7 +194,8 @@ PlaceMapViews views_of(const PlaceMapVectors& vectors) {
 Result<PlaceMap> PlaceMap::from_columns(const PlaceMapViews& columns, std::uint32_t descriptor_dimension,
                                         std::uint32_t descriptor_stride, const FeatureParams& params,
                                         EvidenceGrid evidence, std::shared_ptr<const void> owner) {
-  const std::string wrong = complaint(columns, descriptor_dimension, descriptor_stride);
+  const std::string wrong =
+      first_of({complaint(columns, descriptor_dimension, descriptor_stride), wrong_extent(evidence)});
   if (!wrong.empty()) { return fail(wrong); }
   PlaceMap map;
   map.columns_ = columns;
