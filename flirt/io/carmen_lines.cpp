@@ -49,8 +49,8 @@ class FieldReader {
                    std::to_string(most) + " fields in the line";
     }
     if (*value > most_beams && complaint_.empty()) {
-      complaint_ = "expected up to " + std::to_string(most_beams) + ' ' + std::string(name) + ", found " +
-                   std::string(word);
+      complaint_ =
+          "expected up to " + std::to_string(most_beams) + ' ' + std::string(name) + ", found " + std::string(word);
     }
     return complaint_.empty() ? static_cast<std::size_t>(*value) : 0;
   }

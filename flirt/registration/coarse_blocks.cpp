@@ -125,8 +125,8 @@ CellBox Coarsening::box_of(CellIndex block) const {
   const CellBox core = core_of(block);
   const auto margin = static_cast<std::int32_t>(
       std::ceil(CoarseField::block_margin / (factor_ * fields_.cell_size * alignment)) * alignment);
-  const CellBox around = intersection(
-      map_, {{core.min.x - margin, core.min.y - margin}, {core.max.x + margin, core.max.y + margin}});
+  const CellBox around =
+      intersection(map_, {{core.min.x - margin, core.min.y - margin}, {core.max.x + margin, core.max.y + margin}});
   bool any = false;
   CellBox box{around.max, around.min};
   for_each_tile(around, [&](CellIndex tile) {

@@ -52,8 +52,8 @@ struct CoarseField {
 
   Raster<Quad> quads{};              ///< padded by a pair on the left and on the right, by a tile below and above
   Raster<std::uint8_t> standable{};  ///< not padded: 255 where a robot can have been (seen free space), else 0
-  /// Largest value of the tile whose lower left cell is (x, y), for each x and y: by ⌊y / 4⌋, in that by phase (y mod 4,
-  /// x mod 4), in that by ⌊x / 4⌋; padded by a panel on the left and on the right, below and above.
+  /// Largest value of the tile whose lower left cell is (x, y), for each x and y: by ⌊y / 4⌋, in that by phase (y mod
+  /// 4, x mod 4), in that by ⌊x / 4⌋; padded by a panel on the left and on the right, below and above.
   std::vector<std::uint8_t> peaks{};
   std::vector<Panel> panels{};  ///< by rows, in them from left to right; they do not overlap
 

@@ -195,9 +195,8 @@ void search_panel(const Query& query, const Bounds& bounds, std::size_t index, s
         TileBest& tile = tiles[2 * pair + k];
         if (keys[k] <= tile.key) { continue; }
         const auto step = static_cast<std::int32_t>(k) * CoarseField::tile_side;
-        tile = {keys[k],
-                static_cast<std::uint16_t>(heading),
-                {field.first.x + corner.x + step, field.first.y + corner.y}};
+        tile = {
+            keys[k], static_cast<std::uint16_t>(heading), {field.first.x + corner.x + step, field.first.y + corner.y}};
         touched[pair / 32] |= std::uint64_t{1} << (2 * (pair % 32) + k);
       }
     });

@@ -25,10 +25,10 @@ struct MapFields {
   Point2 origin;           ///< m, lower corner of the box in the map frame
   double cell_size{0.05};  ///< m
   MapFieldParams params{};
-  CellIndex first_tile{};                               ///< of the box, in tiles of the evidence grid
-  std::int32_t columns{0};                              ///< tiles
-  std::int32_t rows{0};                                 ///< tiles
-  std::vector<std::shared_ptr<const MapTile>> tiles{};  ///< row by row; null: nothing seen there or near
+  CellIndex first_tile{};                                    ///< of the box, in tiles of the evidence grid
+  std::int32_t columns{0};                                   ///< tiles
+  std::int32_t rows{0};                                      ///< tiles
+  std::vector<std::shared_ptr<const MapTile>> tiles{};       ///< row by row; null: nothing seen there or near
   std::vector<std::shared_ptr<const CoarseField>> coarse{};  ///< block by block; a map up to 400 m wide has one
 
   [[nodiscard]] bool empty() const { return tiles.empty(); }

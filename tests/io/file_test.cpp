@@ -161,7 +161,8 @@ TEST(WriteFileAtomically, MakesTheFileThatALinkLeadsTo) {
   EXPECT_TRUE(fs::is_symlink(folder.path() / "far" / "second"));
   EXPECT_EQ(read_file(folder.path() / "end").value(), "new");
   fs::create_symlink("ring", folder.path() / "ring");
-  EXPECT_THAT(write_file_atomically(folder.path() / "ring", "new").error().message, HasSubstr("ring: expected to write"));
+  EXPECT_THAT(write_file_atomically(folder.path() / "ring", "new").error().message,
+              HasSubstr("ring: expected to write"));
   fs::create_symlink("no/folder", folder.path() / "nowhere");
   EXPECT_FALSE(write_file_atomically(folder.path() / "nowhere", "new"));
   EXPECT_TRUE(fs::is_symlink(folder.path() / "nowhere"));
