@@ -1,5 +1,7 @@
 #include "flirt/io/occupancy_map.hpp"
 
+#include "flirt/io/pgm.hpp"
+
 #include <algorithm>
 #include <limits>
 
@@ -11,8 +13,7 @@ constexpr std::uint8_t occupied_pixel = 60;   // probability .76: occupied to a 
 constexpr std::uint8_t hit_once_pixel = 115;  // .55: unknown to a map_server
 constexpr std::uint8_t free_pixel = 254;
 constexpr std::uint8_t unknown_pixel = 205;
-constexpr std::size_t most_pixels = std::size_t{1} << 28U;  // of images that read_grey_image takes
-constexpr std::size_t most_cells_a_side = 16;               // of a pixel
+constexpr std::size_t most_cells_a_side = 16;  // of a pixel
 
 /// Smallest box around the cells that were seen; nothing for an empty grid.
 std::optional<CellBox> seen_box(const EvidenceGrid& grid) {
