@@ -69,7 +69,7 @@ class Careless(unittest.TestCase):
         for plan, flag in (("corridors", "--office-area"), ("office", "--tunnel-length"), (segments, "--office-seed"),
                            ("tunnel", "--station-length"), ("station", "--corridors-length")):
             self.refused(1, f"{flag}: expected only with --plan {flag.split('-')[2]}", "simulate", "-o", out, "--plan", plan,
-                         flag, "30")
+                         flag, "300")
         config = self.file("office.toml", "[drive]\nrounds = 1\n[office]\narea = 300\n")
         self.refused(2, f"flirt: {config}:4: --office-area: expected only with --plan office", "simulate", "-o", out,
                      "--plan", "tunnel", "--config", config)
