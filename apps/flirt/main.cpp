@@ -47,8 +47,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "flirt: %s\n", error.what());
     return exit_bad_input;
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr,
-                 "flirt: internal error: not enough memory (that of a map grows with the area that it spans)\n");
+    std::fprintf(stderr, "flirt: internal error: not enough memory\n");
     return exit_internal;
   } catch (const std::exception& error) {
     if (std::ferror(stdout) != 0) { return after_printing(exit_internal); }  // fmt::print throws

@@ -126,14 +126,24 @@ void ParamFlags::resolve(const std::string& config) const {
           throw BadInput(location(config, value.source()) + "expected a parameter of this command, found '" +
                          std::string(group.str()) + "." + std::string(key.str()) + "'");
         }
+        (*match)->file_location = location(config, value.source());
         try {
           (*match)->set(node_text(value, **match));
-        } catch (const UsageError& error) { throw BadInput(location(config, value.source()) + error.what()); }
+        } catch (const UsageError& error) { throw BadInput((*match)->file_location + error.what()); }
       }
     }
   }
   for (const auto& field : fields_) {
     if (field->flag_text) { field->set(*field->flag_text); }
+  }
+}
+
+void ParamFlags::expect_none(std::string_view group, const std::string& needed) const {
+  for (const auto& field : fields_) {
+    if (field->group != group) { continue; }
+    const std::string message = flag_name(*field) + ": expected only with " + needed;
+    if (field->flag_text) { throw UsageError(message); }
+    if (!field->file_location.empty()) { throw BadInput(field->file_location + message); }
   }
 }
 

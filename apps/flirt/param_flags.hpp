@@ -22,6 +22,7 @@ struct ParamField {
   std::string group;  ///< TOML table and flag prefix, kebab-case
   std::string name;   ///< field, snake_case
   std::optional<std::string> flag_text;
+  std::string file_location;                         ///< "FILE:LINE: " where the configuration file has a value
   std::function<void(const std::string& text)> set;  ///< throws UsageError when text is no such value or out of range
   std::function<nlohmann::ordered_json()> get;
 };
@@ -37,6 +38,10 @@ class ParamFlags {
   /// Defaults < file < flags. Call once after parsing. `config` may be empty (no file). Unknown keys are an error, so
   /// that a typing mistake does not silently do nothing; the top-level tables of other groups are errors, too.
   void resolve(const std::string& config) const;
+
+  /// Refuses values for a group that would have no effect, given by flag (UsageError) or file (BadInput). `needed`:
+  /// what they are for. After `resolve`.
+  void expect_none(std::string_view group, const std::string& needed) const;
 
   /// {group: {field: value}} as resolved.
   [[nodiscard]] nlohmann::ordered_json json() const;

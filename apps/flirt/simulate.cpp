@@ -14,12 +14,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <concepts>
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <type_traits>
 
 namespace flirt::app {
@@ -60,9 +63,13 @@ struct SimulateOptions {
   ParamFlags params;
 };
 
+constexpr std::array<std::string_view, 4> made_up_plans{"office", "corridors", "tunnel", "station"};
+
 World world_of(const SimulateOptions& options) {
-  const bool made_up =
-      options.plan == "office" || options.plan == "corridors" || options.plan == "tunnel" || options.plan == "station";
+  for (const std::string_view plan : made_up_plans) {
+    if (options.plan != plan) { options.params.expect_none(plan, "--plan " + std::string(plan)); }
+  }
+  const bool made_up = std::ranges::find(made_up_plans, options.plan) != made_up_plans.end();
   if (made_up && options.resolution) { throw UsageError("--resolution: expected only with an image as --plan"); }
   if (options.plan == "office") { return make_office(options.office); }
   if (options.plan == "corridors") { return make_corridors(options.corridors); }
@@ -158,10 +165,12 @@ int run(const Session& session, SimulateOptions& options) {
   const Progress bar = progress_bar(session, "simulate");
   using Clock = std::chrono::steady_clock;
   std::optional<Clock::time_point> measuring_since;
-  const Simulation simulation = value_or_quit(simulate(world, options.simulate, [&](double done) {
+  const Result<Simulation> simulated = simulate(world, options.simulate, [&](double done) {
     if (!measuring_since) { measuring_since = Clock::now(); }
     if (bar) { bar(done); }
-  }));
+  });
+  if (!simulated) { throw BadInput(options.plan + ": " + simulated.error().message); }
+  const Simulation& simulation = *simulated;
   const std::size_t scans = simulation.log.scans.size();
   const double seconds = std::chrono::duration<double>(Clock::now() - measuring_since.value_or(Clock::now())).count();
   const double scans_per_second = seconds > 0 ? static_cast<double>(scans) / seconds : 0.0;

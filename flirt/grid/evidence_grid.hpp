@@ -59,8 +59,8 @@ struct CellBox {
   CellIndex min;
   CellIndex max;
 
-  [[nodiscard]] std::size_t width() const { return static_cast<std::size_t>(max.x - min.x); }
-  [[nodiscard]] std::size_t height() const { return static_cast<std::size_t>(max.y - min.y); }
+  [[nodiscard]] constexpr std::size_t width() const { return static_cast<std::size_t>(max.x - min.x); }
+  [[nodiscard]] constexpr std::size_t height() const { return static_cast<std::size_t>(max.y - min.y); }
   friend bool operator==(const CellBox&, const CellBox&) = default;
 };
 

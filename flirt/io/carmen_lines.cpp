@@ -12,7 +12,8 @@
 namespace flirt::carmen {
 namespace {
 
-constexpr double farthest_laser = 1000;  // m, from its robot
+constexpr double farthest_laser = 1000;    // m, from its robot
+constexpr std::size_t most_beams = 20000;  // memory of smoothing a scan grows with their square
 
 /// Reads one field after the other; keeps the first complaint and then answers zeros.
 class FieldReader {
@@ -46,6 +47,10 @@ class FieldReader {
     if (*value > most && complaint_.empty()) {
       complaint_ = "expected " + std::string(word) + ' ' + std::string(name) + ", found at most " +
                    std::to_string(most) + " fields in the line";
+    }
+    if (*value > most_beams && complaint_.empty()) {
+      complaint_ =
+          "expected up to " + std::to_string(most_beams) + ' ' + std::string(name) + ", found " + std::string(word);
     }
     return complaint_.empty() ? static_cast<std::size_t>(*value) : 0;
   }

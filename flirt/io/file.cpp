@@ -53,6 +53,16 @@ std::pair<fs::path, File> create_beside(const fs::path& path) {
   return {};
 }
 
+/// Where a link leads, whether anything is there yet or not; what is no link leads to itself. Links in a ring stay one.
+fs::path link_target(fs::path path) {
+  constexpr int most_links = 40;
+  std::error_code error;
+  for (int i = 0; i < most_links && fs::is_symlink(fs::symlink_status(path, error)); ++i) {
+    path = path.parent_path() / fs::read_symlink(path, error);
+  }
+  return path;
+}
+
 Result<void> write_directly(const fs::path& path, std::string_view bytes) {
   File file(std::fopen(path.c_str(), "wb"));
   if (!file || !write_all(std::move(file), bytes)) {
@@ -105,10 +115,13 @@ Result<std::string> read_file(const fs::path& path) {
 
 Result<void> write_file_atomically(const fs::path& path, std::string_view bytes) {
   std::error_code error;
-  const fs::path target = fs::exists(path, error) ? fs::canonical(path, error) : path;  // a link stays a link
-  const fs::file_status status = fs::status(target, error);
+  const fs::file_status status = fs::status(path, error);
   if (fs::is_directory(status)) { return fail(path.string() + ": expected a file to write, found a folder"); }
-  if (fs::exists(status) && !fs::is_regular_file(status)) { return write_directly(target, bytes); }
+  if (fs::exists(status) && !fs::is_regular_file(status)) { return write_directly(path, bytes); }
+  const fs::path target = link_target(path);
+  if (std::error_code ignored; fs::is_symlink(fs::symlink_status(target, ignored))) {
+    return fail(path.string() + ": expected to write, found: " + error.message());
+  }
   return write_and_rename(target, status, bytes);
 }
 

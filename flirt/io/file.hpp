@@ -18,8 +18,8 @@ namespace flirt {
 [[nodiscard]] Result<std::string> read_file(const std::filesystem::path& path);
 
 /// Replaces the file by `bytes`, or leaves it as it was: writes a temporary file in the same folder and renames it.
-/// What is not a regular file (a device, a pipe) is written to directly. Errors: folder missing, no permission, no
-/// space.
+/// A link stays, and what it leads to is written, be it there or not. What is not a regular file (a device, a pipe) is
+/// written to directly. Errors: folder missing, no permission, no space, links in a ring.
 [[nodiscard]] Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
 
 /// How a line ended.

@@ -1,5 +1,7 @@
 #include "flirt/io/occupancy_map.hpp"
 
+#include "flirt/io/pgm.hpp"
+
 #include <algorithm>
 #include <limits>
 
@@ -11,7 +13,7 @@ constexpr std::uint8_t occupied_pixel = 60;   // probability .76: occupied to a 
 constexpr std::uint8_t hit_once_pixel = 115;  // .55: unknown to a map_server
 constexpr std::uint8_t free_pixel = 254;
 constexpr std::uint8_t unknown_pixel = 205;
-constexpr std::size_t most_cells = std::size_t{1} << 30U;
+constexpr std::size_t most_cells_a_side = 16;  // of a pixel
 
 /// Smallest box around the cells that were seen; nothing for an empty grid.
 std::optional<CellBox> seen_box(const EvidenceGrid& grid) {
@@ -35,6 +37,17 @@ std::uint8_t pixel(const EvidenceCell& cell) {
   return cell.hits >= 2 ? occupied_pixel : hit_once_pixel;
 }
 
+std::size_t pixels_for(std::size_t cells, std::size_t cells_a_side) {
+  return (cells + cells_a_side - 1) / cells_a_side;
+}
+
+/// Cells a side of a pixel: 1, or more where that would be too many pixels.
+std::size_t pixel_side(const CellBox& box) {
+  std::size_t side = 1;
+  while (pixels_for(box.width(), side) > most_pixels / pixels_for(box.height(), side)) { ++side; }
+  return side;
+}
+
 }  // namespace
 
 Result<GridMapImage> occupancy_map(const EvidenceGrid& grid, const std::string& image_name) {
@@ -46,19 +59,24 @@ Result<GridMapImage> occupancy_map(const EvidenceGrid& grid, const std::string& 
     map.image = {1, 1, {unknown_pixel}};
     return map;
   }
-  if (box->width() > most_cells / box->height()) {
+  const std::size_t side = pixel_side(*box);
+  if (side > most_cells_a_side) {
     return fail("expected scans near each other, found a map of " + std::to_string(box->width()) + " x " +
                 std::to_string(box->height()) + " cells");
   }
+  map.metadata.resolution *= static_cast<double>(side);
   map.metadata.origin = {box->min.x * grid.params().cell_size, box->min.y * grid.params().cell_size, 0};
-  map.image = {box->width(), box->height(), std::vector<std::uint8_t>(box->width() * box->height(), unknown_pixel)};
+  map.image = {pixels_for(box->width(), side), pixels_for(box->height(), side), {}};
+  map.image.pixels.assign(map.image.width * map.image.height, unknown_pixel);
   grid.for_each_row([&](CellIndex first, std::span<const EvidenceCell> row) {
     if (first.y < box->min.y || first.y >= box->max.y) { return; }
-    const auto image_row = static_cast<std::size_t>(box->max.y - 1 - first.y);
+    const std::size_t image_row = map.image.height - 1 - static_cast<std::size_t>(first.y - box->min.y) / side;
     for (std::size_t i = 0; i < row.size(); ++i) {
       const std::int32_t x = first.x + static_cast<std::int32_t>(i);
       if (!row[i].seen() || x < box->min.x || x >= box->max.x) { continue; }
-      map.image.pixels[image_row * map.image.width + static_cast<std::size_t>(x - box->min.x)] = pixel(row[i]);
+      const std::size_t column = static_cast<std::size_t>(x - box->min.x) / side;
+      std::uint8_t& at = map.image.pixels[image_row * map.image.width + column];
+      at = at == unknown_pixel ? pixel(row[i]) : std::min(at, pixel(row[i]));
     }
   });
   return map;

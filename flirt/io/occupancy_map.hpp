@@ -15,8 +15,9 @@ namespace flirt {
 /// others (legs of tables, doors that stood open at times) dark grey (60), which `place_map_from_grid` tells apart.
 /// Cells that one beam ended in and five or fewer crossed are grey (115): unknown to map_server, since the reading may
 /// be stray, but in a building seen once in passing many walls consist of them. Cropped to what was seen; one unknown
-/// pixel for an empty grid. `image_name` goes into the metadata. Error: more than 2^30 cells in the box, of scans that
-/// lie far apart. O(cells of the box).
+/// pixel for an empty grid. `image_name` goes into the metadata. Where the box holds more than 2^28 cells (820 m × 820
+/// m of 0.05 m), a pixel is a square of up to 16 × 16 cells and shows the darkest of those seen. Error: a box larger
+/// than even that allows, of scans that lie far apart. O(cells seen + pixels).
 [[nodiscard]] Result<GridMapImage> occupancy_map(const EvidenceGrid& grid, const std::string& image_name);
 
 }  // namespace flirt

@@ -10,8 +10,6 @@
 namespace flirt {
 namespace {
 
-constexpr std::size_t most_pixels = std::size_t{1} << 28U;
-
 /// Header words of a PGM: separated by white space, with comments from # to the end of the line.
 class Header {
  public:

@@ -4,10 +4,14 @@
 #include "flirt/core/result.hpp"
 #include "flirt/grid/grey_image.hpp"
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
 namespace flirt {
+
+/// Of the largest image that is read, PGM or PNG.
+inline constexpr std::size_t most_pixels = std::size_t{1} << 28U;
 
 /// The bytes of a binary PGM file with 256 levels.
 [[nodiscard]] std::string encode_pgm(const GreyImage& image);

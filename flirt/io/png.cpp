@@ -1,6 +1,7 @@
 #include "flirt/io/png.hpp"
 
 #include "flirt/core/assert.hpp"
+#include "flirt/io/pgm.hpp"
 
 #include <png.h>
 
@@ -14,7 +15,6 @@
 namespace flirt {
 namespace {
 
-constexpr std::size_t most_png_pixels = std::size_t{1} << 28U;
 constexpr unsigned unknown_grey = 205;
 
 /// All that a decoding touches. libpng leaves a failing call by longjmp, so nothing with a destructor may live in the
@@ -65,7 +65,7 @@ bool decode_rows(Decoder& decoder, png_structp png, png_infop info) {
   png_read_info(png, info);
   const std::size_t width = png_get_image_width(png, info);
   const std::size_t height = png_get_image_height(png, info);
-  if (width * height > most_png_pixels) { png_error(png, "more than 2^28 pixels"); }
+  if (width * height > most_pixels) { png_error(png, "more than 2^28 pixels"); }
   request_rgba(png, info);
   allocate(decoder, width, height);
   png_read_image(png, decoder.rows.data());

@@ -64,7 +64,7 @@ std::vector<CoarsePose> Localizer::candidates(const MapFields& fields, const Sca
 
 bool Localizer::votes_needed(const MapFields& fields) const {
   return params_.method == LocalizeMethod::features ||
-         (params_.method == LocalizeMethod::automatic && fields.coarse.searched_area() > params_.largest_dense);
+         (params_.method == LocalizeMethod::automatic && fields.searched_area() > params_.largest_dense);
 }
 
 LocalizationResult Localizer::by_evidence(const Scan& scan, const ScanPoints& points, ScanInterval excluded,

@@ -162,17 +162,18 @@ std::vector<Particle> drawn_from(std::span<const PoseHypothesis> hypotheses, con
 }
 
 std::vector<Particle> spread_out(const MapFields& fields, const Pose2& robot_from_sensor, std::size_t count, Rng& rng) {
-  const Raster<std::uint8_t>& standable = fields.coarse.standable;
   std::vector<CellIndex> cells;
-  for (std::int32_t y = 0; y < standable.height; ++y) {
-    for (std::int32_t x = 0; x < standable.width; ++x) {
-      if (standable.at(x, y) != 0) { cells.push_back({x, y}); }
+  for (const auto& field : fields.coarse) {
+    for (std::int32_t y = 0; y < field->height; ++y) {
+      for (std::int32_t x = 0; x < field->width; ++x) {
+        if (field->standable.at(x, y) != 0) { cells.push_back({field->first.x + x, field->first.y + y}); }
+      }
     }
   }
   std::vector<Particle> drawn;
   if (cells.empty()) { return drawn; }
   drawn.reserve(count);
-  const double size = fields.coarse.cell_size;
+  const double size = fields.coarse.front()->cell_size;
   for (std::size_t k = 0; k < count; ++k) {
     const CellIndex cell = cells[rng.below(static_cast<std::uint32_t>(cells.size()))];
     const double x = fields.origin.x + (cell.x + rng.uniform()) * size;

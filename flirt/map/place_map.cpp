@@ -1,6 +1,9 @@
 #include "flirt/map/place_map.hpp"
 
 #include "flirt/core/assert.hpp"
+#include "flirt/registration/map_fields.hpp"
+
+#include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
@@ -96,6 +99,33 @@ std::string wrong_descriptors(std::size_t features, std::uint32_t dimension, std
          std::to_string(dimension) + " bins and a stride of " + std::to_string(stride);
 }
 
+std::string wrong_beams(std::span<const Beams> beams) {
+  const auto is_good = [](const Beams& b) {
+    return std::isfinite(b.angle_min) && std::isfinite(b.angle_step) && !std::isnan(b.range_min) &&
+           !std::isnan(b.range_max);
+  };
+  const auto bad = std::ranges::find_if_not(beams, is_good);
+  if (bad == beams.end()) { return {}; }
+  return "column beams: expected finite angles and ranges that are numbers, found another at " +
+         std::to_string(bad - beams.begin());
+}
+
+/// Searches for neighbours rely on rows that sum to 1 and on their roots.
+std::string wrong_rows(std::span<const float> rows, std::span<const float> roots, std::uint32_t stride) {
+  for (std::size_t at = 0; at < rows.size(); at += stride) {
+    const Eigen::Map<const Eigen::ArrayXf> row(rows.data() + at, stride);
+    const Eigen::Map<const Eigen::ArrayXf> root(roots.data() + at, stride);
+    const bool good = std::abs(row.sum() - 1.0F) < 5e-6F && (root.square() - row).abs().sum() < 1e-4F &&
+                      row.minCoeff() >= 0 && root.minCoeff() >= 0;
+    if (!good) {
+      return "columns descriptor_rows and descriptor_roots: expected rows of 0 or more that sum to 1, and their square "
+             "roots, found others at " +
+             std::to_string(at / stride);
+    }
+  }
+  return {};
+}
+
 /// Empty when the columns fit together. Sizes come first: what follows relies on them.
 std::string complaint(const PlaceMapViews& columns, std::uint32_t dimension, std::uint32_t stride) {
   std::string shape = first_of({wrong_descriptors(columns.x.size(), dimension, stride), wrong_sizes(columns, stride)});
@@ -105,7 +135,11 @@ std::string complaint(const PlaceMapViews& columns, std::uint32_t dimension, std
   if (!begins.empty()) { return begins; }
   return first_of({wrong_indices(columns), wrong_poses("map_from_sensor", columns.map_from_sensor),
                    wrong_poses("robot_from_sensor", columns.robot_from_sensor), wrong_numbers("x", columns.x),
-                   wrong_numbers("y", columns.y), wrong_numbers("theta", columns.theta)});
+                   wrong_numbers("y", columns.y), wrong_numbers("theta", columns.theta),
+                   wrong_numbers("scale", columns.scale), wrong_numbers("support_radius", columns.support_radius),
+                   wrong_numbers("response", columns.response),
+                   wrong_numbers("descriptor_variances", columns.descriptor_variances), wrong_beams(columns.beams),
+                   wrong_rows(columns.descriptor_rows, columns.descriptor_roots, stride)});
 }
 
 /// The nearest float that means the same: 80.1 is "no return" where range_max is 80.1, but its nearest float is not.
@@ -121,6 +155,37 @@ void append(MapVector<T>& column, const std::vector<T>& values) {
   column.insert(column.end(), values.begin(), values.end());
 }
 
+std::string too_wide(double width, double height) {
+  return "expected scans near each other, in a box of up to 100 km², found one of " +
+         std::to_string(std::llround(width)) + " m x " + std::to_string(std::llround(height)) + " m";
+}
+
+/// Empty when the evidence can be searched.
+std::string wrong_extent(const EvidenceGrid& evidence) {
+  const auto box = evidence.bounds();
+  const double cell = evidence.params().cell_size;
+  if (!box || is_mappable(*box)) { return {}; }
+  return too_wide(static_cast<double>(box->width()) * cell, static_cast<double>(box->height()) * cell);
+}
+
+/// The same of the evidence that there will be.
+std::string wrong_extent(const ScanLog& log) {
+  if (log.scans.empty()) { return {}; }
+  const EvidenceGrid grid;
+  Point2 min = log.map_from_sensor(0).translation();
+  Point2 max = min;
+  for (std::size_t i = 1; i < log.scans.size(); ++i) {
+    const Point2 at = log.map_from_sensor(i).translation();
+    min = {std::min(min.x, at.x), std::min(min.y, at.y)};
+    max = {std::max(max.x, at.x), std::max(max.y, at.y)};
+  }
+  const double reach = grid.params().range_max + EvidenceGrid::tile_side * grid.params().cell_size;
+  min = min - Point2{reach, reach};
+  max = max + Point2{reach, reach};
+  if (is_mappable({grid.index(min), grid.index(max)})) { return {}; }
+  return too_wide(max.x - min.x, max.y - min.y);
+}
+
 /// What keeps a log from being a map; empty when nothing does.
 std::string wrong_log(const ScanLog& log) {
   if (log.map_from_robot.size() != log.scans.size()) {
@@ -133,7 +198,7 @@ std::string wrong_log(const ScanLog& log) {
              ", found none";
     }
   }
-  return {};
+  return wrong_extent(log);
 }
 
 }  // namespace
@@ -162,7 +227,8 @@ PlaceMapViews views_of(const PlaceMapVectors& vectors) {
 Result<PlaceMap> PlaceMap::from_columns(const PlaceMapViews& columns, std::uint32_t descriptor_dimension,
                                         std::uint32_t descriptor_stride, const FeatureParams& params,
                                         EvidenceGrid evidence, std::shared_ptr<const void> owner) {
-  const std::string wrong = complaint(columns, descriptor_dimension, descriptor_stride);
+  const std::string wrong =
+      first_of({complaint(columns, descriptor_dimension, descriptor_stride), wrong_extent(evidence)});
   if (!wrong.empty()) { return fail(wrong); }
   PlaceMap map;
   map.columns_ = columns;

@@ -18,7 +18,6 @@ void refresh_peaks(CoarseField& field, CellIndex min, CellIndex max) {
   const std::int32_t first_x = min.x - side + 1;
   const std::int32_t columns = max.x - first_x;
   const auto stride = static_cast<std::size_t>(field.peak_stride());
-  const std::size_t phase_size = stride * static_cast<std::size_t>(field.peak_rows());
   std::vector<std::uint8_t> row(static_cast<std::size_t>(columns + side - 1));
   for (std::int32_t y = min.y - side + 1; y < max.y; ++y) {
     for (std::size_t i = 0; i < row.size(); ++i) {
@@ -31,7 +30,7 @@ void refresh_peaks(CoarseField& field, CellIndex min, CellIndex max) {
       const auto x = static_cast<std::size_t>(first_x + CoarseField::panel_width) + static_cast<std::size_t>(i);
       const std::size_t phase = phase_y * side + x % side;
       const auto at = row.begin() + i;
-      field.peaks[phase * phase_size + tile_y * stride + x / side] = *std::max_element(at, at + side);
+      field.peaks[(tile_y * CoarseField::phases + phase) * stride + x / side] = *std::max_element(at, at + side);
     }
   }
 }

@@ -11,7 +11,10 @@
 
 namespace flirt {
 
-/// Bytes of a map in cells of about 0.2 m, as the dense search reads them (registration/dense_search.cpp).
+/// Bytes of a map in cells of about 0.2 m, as the dense search reads them (registration/dense_search.cpp): all of it,
+/// or, of a large map, one of the square blocks it is cut into with what can be seen from there. Points that lie
+/// outside of the field count as unknown space, so that in a map of several blocks what is farther than the margin
+/// from a place does not speak for it.
 ///
 /// Places come in tiles of 4 × 4 cells; two tiles side by side are a pair, which one load of 32 bytes a point values;
 /// 16 × 4 pairs are a panel, whose tiles are bounded together. Panels lie where a robot can have been. Around the map
@@ -27,11 +30,14 @@ struct CoarseField {
   static constexpr std::size_t pair_cells = row_offset(0, tile_side, pair_width);
   static constexpr std::size_t phases = row_offset(0, tile_side, tile_side);
 
+  static constexpr std::int32_t block_side = 2048;  ///< cells
+  static constexpr double block_margin = 51.2;      ///< m
+
   /// Values of the cells (x, y) .. (x, y + 3): eight of them are a pair of tiles at any shift.
   using Quad = std::array<std::uint8_t, tile_side>;
 
   struct Panel {
-    CellIndex corner;                                                ///< cells, lower left
+    CellIndex corner;                                                ///< cells of the field, lower left
     std::array<std::uint8_t, panel_pairs> pairs{};                   ///< 255: one can stand somewhere in the pair
     std::array<std::uint8_t, panel_pairs * pair_cells> standable{};  ///< 255, pair by pair, in it as quads lie
   };
@@ -41,15 +47,17 @@ struct CoarseField {
   std::uint8_t largest{15};  ///< largest value
   std::int32_t width{0};     ///< cells
   std::int32_t height{0};    ///< cells
+  CellIndex block{};         ///< that one can stand in, of the map's
+  CellIndex first{};         ///< cell of the map that is the field's (0, 0)
 
   Raster<Quad> quads{};              ///< padded by a pair on the left and on the right, by a tile below and above
   Raster<std::uint8_t> standable{};  ///< not padded: 255 where a robot can have been (seen free space), else 0
-  /// Largest value of the tile whose lower left cell is (x, y), for each x and y: phase (y mod 4, x mod 4) after phase,
-  /// in each (⌊x / 4⌋, ⌊y / 4⌋) row by row, padded by a panel on the left and on the right, below and above.
+  /// Largest value of the tile whose lower left cell is (x, y), for each x and y: by ⌊y / 4⌋, in that by phase (y mod
+  /// 4, x mod 4), in that by ⌊x / 4⌋; padded by a panel on the left and on the right, below and above.
   std::vector<std::uint8_t> peaks{};
   std::vector<Panel> panels{};  ///< by rows, in them from left to right; they do not overlap
 
-  /// Of the cell; unknown space outside of the map.
+  /// Of the cell; unknown space outside of the field.
   [[nodiscard]] std::uint8_t value(std::int32_t x, std::int32_t y) const;
   /// Area of the panels, m²: what a dense search over the whole map looks at.
   [[nodiscard]] double searched_area() const;

@@ -67,7 +67,7 @@ void offsets_of(const std::int32_t* x, const std::int32_t* y, std::size_t count,
   }
 }
 
-void bound_panel(const std::uint8_t* peaks, std::size_t stride, const std::int32_t* offsets, std::size_t count,
+void bound_panel(const std::uint8_t* peaks, std::size_t step, const std::int32_t* offsets, std::size_t count,
                  std::size_t per_byte, const std::uint8_t* pairs, std::uint8_t* bounds) {
   constexpr std::size_t rows = CoarseField::panel_rows;
   alignas(64) std::uint16_t sums[rows * lanes] = {};
@@ -83,9 +83,9 @@ void bound_panel(const std::uint8_t* peaks, std::size_t stride, const std::int32
       for (std::size_t k = begin; k < end; ++k) {
         const std::uint8_t* const first = corner + offsets[k];
         row0 = hn::Add(row0, hn::LoadU(d8, first));
-        row1 = hn::Add(row1, hn::LoadU(d8, first + stride));
-        row2 = hn::Add(row2, hn::LoadU(d8, first + 2 * stride));
-        row3 = hn::Add(row3, hn::LoadU(d8, first + 3 * stride));
+        row1 = hn::Add(row1, hn::LoadU(d8, first + step));
+        row2 = hn::Add(row2, hn::LoadU(d8, first + 2 * step));
+        row3 = hn::Add(row3, hn::LoadU(d8, first + 3 * step));
       }
       add_to_words(d8, row0, sums + part * byte_lanes);
       add_to_words(d8, row1, sums + lanes + part * byte_lanes);
@@ -170,6 +170,7 @@ HWY_EXPORT(bound_panel);
 HWY_EXPORT(search_pair);
 
 constexpr std::int32_t side = CoarseField::tile_side;
+constexpr auto phases = static_cast<std::int32_t>(CoarseField::phases);
 
 std::size_t per_byte(const CoarseField& field) {
   return 255U / field.largest;
@@ -177,43 +178,41 @@ std::size_t per_byte(const CoarseField& field) {
 
 }  // namespace
 
-Steps::Steps(const CoarseField& coarse, std::size_t points) : field(&coarse), count(points) {
+Steps::Steps(std::size_t points) : count(points) {
   const std::size_t whole_vectors = (points + 15) / 16 * 16;
-  for (std::vector<std::int32_t>* column : {&x, &y, &tile_x, &tile_y, &phase}) { column->resize(whole_vectors); }
+  for (std::vector<std::int32_t>* column : {&x, &y, &tile_x, &peak_row}) { column->resize(whole_vectors); }
 }
 
 void Steps::set(std::size_t i, std::int32_t dx, std::int32_t dy) {
   x[i] = dx;
   y[i] = dy;
   tile_x[i] = dx >> 2;
-  tile_y[i] = dy >> 2;
-  phase[i] = ((dy & 3) * side + (dx & 3)) * field->peak_stride() * field->peak_rows();
+  peak_row[i] = (dy >> 2) * phases + (dy & 3) * side + (dx & 3);
 }
 
-void bound_panel(const CoarseField::Panel& panel, const Steps& steps, std::uint8_t* bounds) {
-  const CoarseField& field = *steps.field;
+void bound_panel(const CoarseField& field, const CoarseField::Panel& panel, const Steps& steps, std::uint8_t* bounds) {
   const std::int32_t pad_x = CoarseField::panel_width / side;
   const std::int32_t pad_y = CoarseField::panel_rows;
   const std::int32_t stride = field.peak_stride();
+  // Held to rows of the padding, where the phase makes no difference.
   const Reading reading{.x = panel.corner.x / side + pad_x,
-                        .y = panel.corner.y / side + pad_y,
+                        .y = (panel.corner.y / side + pad_y) * phases,
                         .min_x = 0,
                         .max_x = CoarseField::tiles(field.width) + pad_x,
                         .min_y = 0,
-                        .max_y = CoarseField::tiles(field.height) + pad_y,
+                        .max_y = (CoarseField::tiles(field.height) + pad_y) * phases,
                         .scale = 1,
                         .stride = stride};
   alignas(64) std::array<std::int32_t, most_points + 16> offsets;
   HWY_DYNAMIC_DISPATCH(offsets_of)
-  (steps.tile_x.data(), steps.tile_y.data(), steps.count, reading, offsets.data());
-  for (std::size_t k = 0; k < steps.count; ++k) { offsets[k] += steps.phase[k]; }
+  (steps.tile_x.data(), steps.peak_row.data(), steps.count, reading, offsets.data());
   HWY_DYNAMIC_DISPATCH(bound_panel)
-  (field.peaks.data(), static_cast<std::size_t>(stride), offsets.data(), steps.count, per_byte(field),
+  (field.peaks.data(), static_cast<std::size_t>(stride * phases), offsets.data(), steps.count, per_byte(field),
    panel.pairs.data(), bounds);
 }
 
-PairKeys search_pair(CellIndex corner, const std::uint8_t* standable, const Steps& steps, int least) {
-  const CoarseField& field = *steps.field;
+PairKeys search_pair(const CoarseField& field, CellIndex corner, const std::uint8_t* standable, const Steps& steps,
+                     int least) {
   const std::int32_t pad_x = CoarseField::pair_width;
   const std::int32_t pad_y = side;
   const Reading reading{.x = corner.x + pad_x,

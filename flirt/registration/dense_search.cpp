@@ -32,21 +32,34 @@ Headings headings_of(const DenseSearchParams& params) {
   return {count, 2 * std::numbers::pi / static_cast<double>(count)};
 }
 
+/// A panel of one of the map's coarse fields.
+struct PlacedPanel {
+  const CoarseField* field;
+  const CoarseField::Panel* panel;
+};
+
 /// What is asked: one scan in one map.
 struct Query {
-  const CoarseField& field;
+  double cell_size;  ///< m, of coarse cells
+  std::uint8_t largest;
+  std::vector<PlacedPanel> panels;
   Headings headings;
   std::vector<Steps> steps;  ///< at each heading
 
   [[nodiscard]] std::size_t points() const { return steps.front().count; }
 };
 
-Query query_of(const CoarseField& field, const ScanPoints& points, const DenseSearchParams& params) {
+/// In a map with a coarse field or more, which differ in place and extent only.
+Query query_of(const MapFields& fields, const ScanPoints& points, const DenseSearchParams& params) {
+  const CoarseField& field = *fields.coarse.front();
   FLIRT_ASSERT(field.largest > 0);
   const std::size_t largest_count = std::min<std::size_t>(params.largest_point_count, 4095U / field.largest);
   const std::size_t count = std::min(points.size(), largest_count);
-  Query query{field, headings_of(params), {}};
-  query.steps.assign(query.headings.count, Steps(field, count));
+  Query query{field.cell_size, field.largest, {}, headings_of(params), {}};
+  for (const auto& part : fields.coarse) {
+    for (const CoarseField::Panel& panel : part->panels) { query.panels.push_back({part.get(), &panel}); }
+  }
+  query.steps.assign(query.headings.count, Steps(count));
   for (std::size_t heading = 0; heading < query.headings.count; ++heading) {
     const double angle = static_cast<double>(heading) * query.headings.step;
     const double c = std::cos(angle) / field.cell_size;
@@ -68,7 +81,7 @@ Query query_of(const CoarseField& field, const ScanPoints& points, const DenseSe
 class Bounds {
  public:
   explicit Bounds(const Query& query)
-      : headings_(query.headings.count), bytes_(query.field.panels.size() * headings_ * panel_pairs) {}
+      : headings_(query.headings.count), bytes_(query.panels.size() * headings_ * panel_pairs) {}
 
   [[nodiscard]] std::uint8_t* of(std::size_t panel, std::size_t heading) {
     return bytes_.data() + (panel * headings_ + heading) * panel_pairs;
@@ -86,11 +99,11 @@ class Bounds {
 Bounds bounds_everywhere(const Query& query) {
   constexpr std::size_t together = 8;
   Bounds bounds(query);
-  const std::vector<CoarseField::Panel>& panels = query.field.panels;
+  const std::vector<PlacedPanel>& panels = query.panels;
   for (std::size_t first = 0; first < panels.size(); first += together) {
     for (std::size_t heading = 0; heading < query.headings.count; ++heading) {
       for (std::size_t panel = first; panel < std::min(first + together, panels.size()); ++panel) {
-        dense::bound_panel(panels[panel], query.steps[heading], bounds.of(panel, heading));
+        dense::bound_panel(*panels[panel].field, *panels[panel].panel, query.steps[heading], bounds.of(panel, heading));
       }
     }
   }
@@ -101,7 +114,7 @@ Bounds bounds_everywhere(const Query& query) {
 struct TileBest {
   std::uint16_t key{0};
   std::uint16_t heading{0};
-  CellIndex corner;
+  CellIndex corner;  ///< coarse cells of the map
 
   [[nodiscard]] int sum() const { return key >> 4; }
 };
@@ -169,19 +182,21 @@ CellIndex corner_of(const CoarseField::Panel& panel, std::size_t pair) {
 /// The best of the headings [first, last) in each tile of a panel; only pairs with a bound of at least `least`.
 void search_panel(const Query& query, const Bounds& bounds, std::size_t index, std::size_t first, std::size_t last,
                   std::uint8_t least, BestTiles& best) {
-  const CoarseField::Panel& panel = query.field.panels[index];
+  const CoarseField& field = *query.panels[index].field;
+  const CoarseField::Panel& panel = *query.panels[index].panel;
   std::array<TileBest, tiles_per_panel> tiles{};
   std::array<std::uint64_t, tiles_per_panel / 64> touched{};
   for (std::size_t heading = first; heading < last; ++heading) {
     for_each_pair(bounds.of(index, heading), least, [&](std::size_t pair) {
       const CellIndex corner = corner_of(panel, pair);
       const std::uint8_t* const standable = panel.standable.data() + pair * CoarseField::pair_cells;
-      const PairKeys keys = dense::search_pair(corner, standable, query.steps[heading], best.least());
+      const PairKeys keys = dense::search_pair(field, corner, standable, query.steps[heading], best.least());
       for (std::size_t k = 0; k < keys.size(); ++k) {
         TileBest& tile = tiles[2 * pair + k];
         if (keys[k] <= tile.key) { continue; }
         const auto step = static_cast<std::int32_t>(k) * CoarseField::tile_side;
-        tile = {keys[k], static_cast<std::uint16_t>(heading), {corner.x + step, corner.y}};
+        tile = {
+            keys[k], static_cast<std::uint16_t>(heading), {field.first.x + corner.x + step, field.first.y + corner.y}};
         touched[pair / 32] |= std::uint64_t{1} << (2 * (pair % 32) + k);
       }
     });
@@ -196,7 +211,7 @@ void search_panel(const Query& query, const Bounds& bounds, std::size_t index, s
 /// Best tiles over all pairs whose bounds reach `least_asked` and what `best` asks for, which rises as tiles are found.
 BestTiles search_pairs(const Query& query, const Bounds& bounds, std::uint8_t least_asked,
                        const DenseSearchParams& params, BestTiles best) {
-  for (std::size_t panel = 0; panel < query.field.panels.size(); ++panel) {
+  for (std::size_t panel = 0; panel < query.panels.size(); ++panel) {
     for (std::size_t first = 0; first < query.headings.count; first += params.headings_per_tile) {
       const std::size_t last = std::min<std::size_t>(first + params.headings_per_tile, query.headings.count);
       const std::uint8_t least = std::max(least_asked, least_bound(best.least()));
@@ -210,7 +225,7 @@ BestTiles search_pairs(const Query& query, const Bounds& bounds, std::uint8_t le
 std::uint8_t bound_of_best(const Query& query, const Bounds& bounds, std::size_t count) {
   constexpr std::size_t every = 8;
   std::array<std::size_t, 256> histogram{};
-  for (std::size_t panel = 0; panel < query.field.panels.size(); ++panel) {
+  for (std::size_t panel = 0; panel < query.panels.size(); ++panel) {
     for (std::size_t heading = panel % every; heading < query.headings.count; heading += every) {
       const std::uint8_t* const pairs = bounds.of(panel, heading);
       for (std::size_t i = 0; i < panel_pairs; ++i) { ++histogram[pairs[i]]; }
@@ -233,14 +248,13 @@ int reached_sum(const Query& query, const Bounds& bounds, const DenseSearchParam
 }
 
 std::vector<CoarsePose> poses_of(const std::vector<TileBest>& tiles, const Query& query, const MapFields& fields) {
-  const CoarseField& coarse = query.field;
-  const double scale = 1.0 / (static_cast<double>(query.points()) * coarse.largest);
+  const double scale = 1.0 / (static_cast<double>(query.points()) * query.largest);
   std::vector<CoarsePose> poses;
   poses.reserve(tiles.size());
   for (const TileBest& best : tiles) {
     const std::int32_t x = best.corner.x + (best.key & 3);
     const std::int32_t y = best.corner.y + (best.key >> 2 & 3);
-    poses.push_back({{fields.origin.x + (x + 0.5) * coarse.cell_size, fields.origin.y + (y + 0.5) * coarse.cell_size,
+    poses.push_back({{fields.origin.x + (x + 0.5) * query.cell_size, fields.origin.y + (y + 0.5) * query.cell_size,
                       wrap_angle(best.heading * query.headings.step)},
                      static_cast<float>(best.sum() * scale)});
   }
@@ -250,16 +264,16 @@ std::vector<CoarsePose> poses_of(const std::vector<TileBest>& tiles, const Query
 /// Marks the pairs and headings around given places.
 Bounds bounds_near(const Query& query, const MapFields& fields, std::span<const Pose2> places,
                    const DenseSearchParams& params) {
-  const CoarseField& field = query.field;
   Bounds bounds(query);
   const auto turns = static_cast<std::int64_t>(std::ceil(params.near_heading / query.headings.step));
   const auto turn = static_cast<std::int64_t>(query.headings.count);
-  const double pair_x = CoarseField::pair_width * field.cell_size;
-  const double pair_y = CoarseField::tile_side * field.cell_size;
-  for (std::size_t i = 0; i < field.panels.size(); ++i) {
-    const CoarseField::Panel& panel = field.panels[i];
-    const Point2 corner{fields.origin.x + panel.corner.x * field.cell_size,
-                        fields.origin.y + panel.corner.y * field.cell_size};
+  const double pair_x = CoarseField::pair_width * query.cell_size;
+  const double pair_y = CoarseField::tile_side * query.cell_size;
+  for (std::size_t i = 0; i < query.panels.size(); ++i) {
+    const CoarseField::Panel& panel = *query.panels[i].panel;
+    const CellIndex first_cell = query.panels[i].field->first;
+    const Point2 corner{fields.origin.x + (first_cell.x + panel.corner.x) * query.cell_size,
+                        fields.origin.y + (first_cell.y + panel.corner.y) * query.cell_size};
     for (const Pose2& place : places) {
       // Columns and rows of pairs that the place's square touches.
       const double reach = params.near_distance;
@@ -289,8 +303,8 @@ Bounds bounds_near(const Query& query, const MapFields& fields, std::span<const 
 
 std::vector<CoarsePose> dense_search(const MapFields& fields, const ScanPoints& points,
                                      const DenseSearchParams& params) {
-  if (fields.empty() || points.size() == 0) { return {}; }
-  const Query query = query_of(fields.coarse, points, params);
+  if (fields.coarse.empty() || points.size() == 0) { return {}; }
+  const Query query = query_of(fields, points, params);
   const Bounds bounds = bounds_everywhere(query);
   const int least = reached_sum(query, bounds, params);
   return poses_of(search_pairs(query, bounds, 1, params, BestTiles(params.candidates, least)).sorted(), query, fields);
@@ -298,8 +312,8 @@ std::vector<CoarsePose> dense_search(const MapFields& fields, const ScanPoints& 
 
 std::vector<CoarsePose> dense_search_near(const MapFields& fields, const ScanPoints& points,
                                           std::span<const Pose2> map_from_sensor, const DenseSearchParams& params) {
-  if (fields.empty() || points.size() == 0) { return {}; }
-  const Query query = query_of(fields.coarse, points, params);
+  if (fields.coarse.empty() || points.size() == 0) { return {}; }
+  const Query query = query_of(fields, points, params);
   const Bounds bounds = bounds_near(query, fields, map_from_sensor, params);
   return poses_of(search_pairs(query, bounds, 1, params, BestTiles(params.candidates, 0)).sorted(), query, fields);
 }

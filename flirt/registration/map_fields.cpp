@@ -1,8 +1,8 @@
 #include "flirt/registration/map_fields.hpp"
 
+#include "flirt/registration/coarse_blocks.hpp"
+
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <optional>
 #include <span>
 #include <utility>
@@ -34,112 +34,26 @@ MarkTable mark_table(const EvidenceGrid& grid, const CellBox& box) {
   return table;
 }
 
-/// Nothing when no tile around has any marks.
-std::optional<TileSurroundings> surroundings_of(const MarkTable& table, std::int32_t x, std::int32_t y,
-                                                std::int32_t reach) {
+TileSurroundings surroundings_of(const MarkTable& table, std::int32_t x, std::int32_t y, std::int32_t reach) {
   TileSurroundings around{.reach = reach, .marks = {}};
-  bool any = false;
   for (std::int32_t dy = -reach; dy <= reach; ++dy) {
-    for (std::int32_t dx = -reach; dx <= reach; ++dx) {
-      around.marks.push_back(table.at(x + dx, y + dy));
-      any |= around.marks.back() != nullptr;
-    }
+    for (std::int32_t dx = -reach; dx <= reach; ++dx) { around.marks.push_back(table.at(x + dx, y + dy)); }
   }
-  if (!any) { return std::nullopt; }
   return around;
 }
 
-/// What the fine cells of one coarse cell are.
-struct CoarseCell {
-  int nearest{Agreement::distance_mask};  // cells², least squared distance to something occupied
-  int free{0};
-};
-
-CoarseCell coarse_cell(const MapFields& fields, std::int32_t x, std::int32_t y, std::int32_t factor) {
-  CoarseCell coarse;
-  for (std::int32_t v = y * factor; v < (y + 1) * factor; ++v) {
-    for (std::int32_t u = x * factor; u < (x + 1) * factor; ++u) {
-      const MapTile* const tile = fields.tile_at(u, v);
-      if (tile == nullptr) { continue; }
-      const std::uint8_t cell = tile->agreement[MapTile::offset(u, v)];
-      coarse.nearest = std::min(coarse.nearest, cell & Agreement::distance_mask);
-      coarse.free += (cell & Agreement::free) != 0 ? 1 : 0;
+/// 1 for the tiles of the box that have marks within reach.
+Raster<std::uint8_t> tiles_near_marks(const EvidenceGrid& grid, const MarkTable& table, std::int32_t reach) {
+  Raster<std::uint8_t> near(table.tiles.width, table.tiles.height);
+  grid.for_each_tile([&](CellIndex tile, std::span<const EvidenceCell> /*cells*/) {
+    const CellIndex at{tile.x - table.first.x, tile.y - table.first.y};
+    for (std::int32_t y = std::max(at.y - reach, 0); y <= std::min(at.y + reach, near.height - 1); ++y) {
+      for (std::int32_t x = std::max(at.x - reach, 0); x <= std::min(at.x + reach, near.width - 1); ++x) {
+        near.at(x, y) = 1;
+      }
     }
-  }
-  return coarse;
-}
-
-/// Coarse values by squared distance; by its best fine cell where something occupied is near, less where most is free.
-class CoarseValues {
- public:
-  explicit CoarseValues(const MapFields& fields) {
-    const double sigma = fields.params.likelihood_sigma / fields.cell_size;
-    for (int squared = 0; squared <= Agreement::distance_mask; ++squared) {
-      const bool far = squared == Agreement::distance_mask;
-      const double value = fields.params.coarse_peak * (far ? 0.0 : std::exp(-squared / (2 * sigma * sigma)));
-      const auto at = static_cast<std::size_t>(squared);
-      of_free_[at] = static_cast<std::uint8_t>(std::lround(value));
-      of_other_[at] = static_cast<std::uint8_t>(std::lround(value + fields.params.free_penalty));
-    }
-  }
-  [[nodiscard]] std::uint8_t of(const CoarseCell& cell, std::int32_t factor) const {
-    const auto at = static_cast<std::size_t>(cell.nearest);
-    return 2 * cell.free > factor * factor ? of_free_[at] : of_other_[at];
-  }
-
- private:
-  std::array<std::uint8_t, Agreement::distance_mask + 1> of_free_{};
-  std::array<std::uint8_t, Agreement::distance_mask + 1> of_other_{};
-};
-
-/// The coarse cells that touch tile (x, y) of the fields, read from its fine cells.
-void coarsen_tile(MapFields& fields, const CoarseValues& values, std::int32_t x, std::int32_t y) {
-  const auto factor = static_cast<std::int32_t>(fields.params.coarse_factor);
-  CoarseField& coarse = fields.coarse;
-  for (std::int32_t v = y * tile_side / factor;
-       v < std::min(((y + 1) * tile_side + factor - 1) / factor, coarse.height); ++v) {
-    for (std::int32_t u = x * tile_side / factor;
-         u < std::min(((x + 1) * tile_side + factor - 1) / factor, coarse.width); ++u) {
-      const CoarseCell cell = coarse_cell(fields, u, v, factor);
-      set_cell(coarse, {u, v}, values.of(cell, factor), cell.free > 0);
-    }
-  }
-}
-
-CoarseField blank_coarse_field(const MapFields& fields) {
-  const auto factor = static_cast<std::int32_t>(fields.params.coarse_factor);
-  return unknown_field((fields.columns * tile_side + factor - 1) / factor,
-                       (fields.rows * tile_side + factor - 1) / factor, factor * fields.cell_size,
-                       static_cast<std::uint8_t>(fields.params.free_penalty),
-                       static_cast<std::uint8_t>(fields.params.free_penalty + fields.params.coarse_peak));
-}
-
-/// The coarse cells of some tiles. O(cells of the tiles and of the box around them).
-void coarsen(MapFields& fields, std::span<const CellIndex> tiles) {
-  if (tiles.empty()) { return; }
-  const CoarseValues values(fields);
-  CellIndex min = tiles.front();
-  CellIndex max = min;
-  for (const CellIndex& tile : tiles) {
-    coarsen_tile(fields, values, tile.x, tile.y);
-    min = {std::min(min.x, tile.x), std::min(min.y, tile.y)};
-    max = {std::max(max.x, tile.x), std::max(max.y, tile.y)};
-  }
-  const auto factor = static_cast<std::int32_t>(fields.params.coarse_factor);
-  const auto end = [&](std::int32_t tile, std::int32_t size) {
-    return std::min(((tile + 1) * tile_side + factor - 1) / factor, size);
-  };
-  finish(fields.coarse, {min.x * tile_side / factor, min.y * tile_side / factor},
-         {end(max.x, fields.coarse.width), end(max.y, fields.coarse.height)});
-}
-
-void coarsen_all(MapFields& fields) {
-  fields.coarse = blank_coarse_field(fields);
-  std::vector<CellIndex> all;
-  for (std::int32_t y = 0; y < fields.rows; ++y) {
-    for (std::int32_t x = 0; x < fields.columns; ++x) { all.push_back({x, y}); }
-  }
-  coarsen(fields, all);
+  });
+  return near;
 }
 
 /// A tile of `before` by its place in the map.
@@ -156,7 +70,7 @@ MapFields empty_fields(const EvidenceGrid& grid, const MapFieldParams& params) {
   fields.cell_size = grid.params().cell_size;
   fields.params = params;
   const auto box = grid.bounds();
-  if (!box) { return fields; }
+  if (!box || !is_mappable(*box)) { return fields; }
   fields.origin = {box->min.x * fields.cell_size, box->min.y * fields.cell_size};
   fields.first_tile = {box->min.x / tile_side, box->min.y / tile_side};
   fields.columns = static_cast<std::int32_t>(box->width()) / tile_side;
@@ -172,8 +86,15 @@ bool same_box(const MapFields& a, const MapFields& b) {
 }  // namespace
 
 std::size_t MapFields::bytes() const {
-  std::size_t sum = coarse.bytes() + tiles.size() * sizeof(tiles[0]);
+  std::size_t sum = tiles.size() * sizeof(tiles[0]);
   for (const auto& tile : tiles) { sum += tile ? tile->bytes() : 0; }
+  for (const auto& field : coarse) { sum += field->bytes(); }
+  return sum;
+}
+
+double MapFields::searched_area() const {
+  double sum = 0;
+  for (const auto& field : coarse) { sum += field->searched_area(); }
   return sum;
 }
 
@@ -188,29 +109,29 @@ MapFields updated_fields(const MapFields& before, const EvidenceGrid& grid) {
   if (fields.empty()) { return fields; }
   const MarkTable table = mark_table(grid, *grid.bounds());
   const std::int32_t reach = tile_reach(fields.params, fields.cell_size);
+  const Raster<std::uint8_t> near = tiles_near_marks(grid, table, reach);
   std::vector<CellIndex> changed;
   for (std::int32_t y = 0; y < fields.rows; ++y) {
     for (std::int32_t x = 0; x < fields.columns; ++x) {
       const auto* const old = find_tile(before, {fields.first_tile.x + x, fields.first_tile.y + y});
       auto& tile = fields.tiles[row_offset(x, y, fields.columns)];
-      const auto around = surroundings_of(table, x, y, reach);
-      if (around && old != nullptr && (*old)->sources == sources_of(*around)) {
-        tile = *old;
-        continue;
-      }
-      if (around) {
+      if (near.at(x, y) != 0) {
+        const TileSurroundings around = surroundings_of(table, x, y, reach);
+        if (old != nullptr && (*old)->sources == sources_of(around)) {
+          tile = *old;
+          continue;
+        }
         auto made = std::make_shared<const MapTile>(
-            map_tile(*around, fields.params, fields.cell_size, old != nullptr ? old->get() : nullptr));
+            map_tile(around, fields.params, fields.cell_size, old != nullptr ? old->get() : nullptr));
         if (!is_blank(*made)) { tile = std::move(made); }
       }
       if (tile != nullptr || old != nullptr) { changed.push_back({x, y}); }
     }
   }
-  if (before.empty() || !same_box(before, fields)) {
-    coarsen_all(fields);
+  if (same_box(before, fields)) {
+    fields.coarse = coarse_fields(fields, before.coarse, changed);
   } else {
-    fields.coarse = before.coarse;
-    coarsen(fields, changed);
+    fields.coarse = coarse_fields(fields, {}, {});
   }
   return fields;
 }

@@ -50,7 +50,7 @@ struct LidarParams {
 template <class Params, class Visitor>
   requires std::same_as<std::remove_const_t<Params>, LidarParams>
 void visit_fields(Params& params, Visitor&& visit) {
-  visit(params.beams, Field{"beams", "", "readings in a scan", 1, 100000});
+  visit(params.beams, Field{"beams", "", "readings in a scan", 1, 20000});
   visit(params.field_of_view,
         Field{"field_of_view", "rad", "beams times the angle between them", 1e-6, 6.2831853071796});
   visit(params.beam_order, Field{"beam_order", "", "in which the beams of a scan follow each other"});

@@ -27,9 +27,23 @@ std::vector<std::size_t> first_scans(const Drive& drive, const std::vector<Drive
   return begins;
 }
 
+/// Small enough for grids over all of it, and where a log can say poses.
+bool is_buildable(const Rectangle& box) {
+  constexpr double widest = 10e3;   // m
+  constexpr double farthest = 1e6;  // m
+  return box.width() <= widest && box.height() <= widest &&
+         std::max({-box.low.x, -box.low.y, box.high.x, box.high.y}) <= farthest;
+}
+
 }  // namespace
 
 Result<Simulation> simulate(const World& world, const SimulateParams& params, const Progress& progress) {
+  const Rectangle box = bounds(world.plan);
+  if (!is_buildable(box)) {
+    return fail("expected a plan of up to 10 km x 10 km within 1000 km of its origin, found one of " +
+                std::to_string(box.width()) + " m x " + std::to_string(box.height()) + " m at " +
+                std::to_string(box.low.x) + ", " + std::to_string(box.low.y));
+  }
   const FreeSpace space(world.plan, params.drive.robot_radius);
   const std::vector<Point2> places =
       world.places.empty() ? space.spread(params.drive.place_spacing, seed_of(params, places_stream)) : world.places;

@@ -35,8 +35,8 @@ struct Simulation {
   FloorPlan plan{};                        ///< what was driven through
 };
 
-/// Drives and measures. An error when the robot fits nowhere in the plan. O(scans · beams) besides planning the drive.
-/// `progress` is of the measuring, from its first scans on.
+/// Drives and measures. Errors: the robot fits nowhere in the plan; the plan is more than 10 km wide or high. O(scans ·
+/// beams) besides planning the drive. `progress` is of the measuring, from its first scans on.
 [[nodiscard]] Result<Simulation> simulate(const World& world, const SimulateParams& params = {},
                                           const Progress& progress = {});
 

@@ -63,6 +63,25 @@ class Careless(unittest.TestCase):
         self.refused(1, "--svg", "simulate", "-o", self.work / "x.log", "--svg-scan", "3")
         self.refused(1, "--ablation", "bench", "localization", self.log, "--protocol", "revisit", "--variants", "full")
 
+    def test_parameters_of_another_plan_are_refused(self):
+        out = self.work / "plan.log"
+        segments = self.file("plan.txt", "0,0,9,0\n9,0,9,9\n9,9,0,9\n0,9,0,0\n")
+        for plan, flag in (("corridors", "--office-area"), ("office", "--tunnel-length"), (segments, "--office-seed"),
+                           ("tunnel", "--station-length"), ("station", "--corridors-length")):
+            self.refused(1, f"{flag}: expected only with --plan {flag.split('-')[2]}", "simulate", "-o", out, "--plan", plan,
+                         flag, "300")
+        config = self.file("office.toml", "[drive]\nrounds = 1\n[office]\narea = 300\n")
+        self.refused(2, f"flirt: {config}:4: --office-area: expected only with --plan office", "simulate", "-o", out,
+                     "--plan", "tunnel", "--config", config)
+        self.assertFalse(out.exists())
+
+    def test_plans_in_which_no_robot_can_drive_are_named(self):
+        wide = self.file("wide.txt", "0,0,9,0\n9,0,9,9\n9,9,0,9\n0,1e9,0,0\n")
+        self.refused(2, f"flirt: {wide}: expected a plan of up to 10 km x 10 km", "simulate", "-o", self.work / "w.log",
+                     "--plan", wide)
+        tiny = self.file("tiny.txt", "0,0,0.1,0\n")
+        self.refused(2, f"flirt: {tiny}: expected room for a robot", "simulate", "-o", self.work / "w.log", "--plan", tiny)
+
     def test_a_window_is_read_like_every_number(self):
         for window in ("3", "0x3"):
             out = self.work / window

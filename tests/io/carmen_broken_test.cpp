@@ -70,6 +70,11 @@ TEST(Carmen, RefusesPlacesThatNoMapCanHold) {
               HasSubstr("expected a number within 1000 for robot_frontlaser_offset, found '1e300'"));
 }
 
+TEST(Carmen, RefusesScansOfMoreBeamsThanAnyScannerHas) {
+  EXPECT_EQ(read_text(flaser(20000)).value().log.scans[0].ranges.size(), 20000U);
+  EXPECT_THAT(error_of(flaser(20001)), HasSubstr("test.log:1: FLASER: expected up to 20000 ranges, found 20001"));
+}
+
 TEST(Carmen, TakesAnInfiniteLongestRangeForNone) {
   const LoadedLog loaded = read_text(robotlaser("3 1 2 3", "0 0 0 0 0 0", "0 -1.5 3.0 0.5 inf")).value();
   EXPECT_EQ(loaded.log.scans[0].beams.range_max, 50);

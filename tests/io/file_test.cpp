@@ -151,6 +151,23 @@ TEST(WriteFileAtomically, WritesThroughLinksAndIntoDevices) {
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
+TEST(WriteFileAtomically, MakesTheFileThatALinkLeadsTo) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder.path() / "far");
+  fs::create_symlink("far/second", folder.path() / "first");  // as seen from where the link is
+  fs::create_symlink(folder.path() / "end", folder.path() / "far" / "second");
+  ASSERT_TRUE(write_file_atomically(folder.path() / "first", "new"));
+  EXPECT_TRUE(fs::is_symlink(folder.path() / "first"));
+  EXPECT_TRUE(fs::is_symlink(folder.path() / "far" / "second"));
+  EXPECT_EQ(read_file(folder.path() / "end").value(), "new");
+  fs::create_symlink("ring", folder.path() / "ring");
+  EXPECT_THAT(write_file_atomically(folder.path() / "ring", "new").error().message,
+              HasSubstr("ring: expected to write"));
+  fs::create_symlink("no/folder", folder.path() / "nowhere");
+  EXPECT_FALSE(write_file_atomically(folder.path() / "nowhere", "new"));
+  EXPECT_TRUE(fs::is_symlink(folder.path() / "nowhere"));
+}
+
 TEST(WriteFileAtomically, KeepsThePermissionsOfTheOldFile) {
   const TemporaryFolder folder;
   const fs::path path = folder.file("a", "old");

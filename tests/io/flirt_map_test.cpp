@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -252,6 +253,32 @@ TEST_F(FlirtMapFile, DamagedParametersAreErrors) {
   ASSERT_NE(name, std::string::npos);
   bad[name + 1] = 'k';
   EXPECT_THAT(complaint(sealed(bad)), HasSubstr("kurvature"));
+}
+
+TEST_F(FlirtMapFile, DescriptorsThatNoScanHasAreErrors) {
+  const std::string good = bytes_of(small_map());
+  const auto begin = [&good](std::string_view section) {
+    return get<std::uint64_t>(good, entry_at(good, section) + entry_offset_at);
+  };
+  const std::size_t row = begin("descriptor_rows");
+  const std::size_t root = begin("descriptor_roots");
+  for (const float value : {0.7F, -0.5F, 1e30F, std::numeric_limits<float>::quiet_NaN()}) {
+    for (const std::size_t at : {row, row + 64, root, root + 64}) {
+      std::string bad = good;
+      put(bad, at, value);
+      EXPECT_THAT(complaint(sealed(bad)), HasSubstr("expected rows of 0 or more that sum to 1")) << value << ' ' << at;
+    }
+  }
+  std::string bad = good;  // still sums to 1, but not of parts
+  put(bad, row, get<float>(good, row) + 2);
+  put(bad, row + 4, get<float>(good, row + 4) - 2);
+  EXPECT_THAT(complaint(sealed(bad)), HasSubstr("found others at 0"));
+  bad = good;
+  put(bad, begin("support_radius"), std::numeric_limits<float>::infinity());
+  EXPECT_THAT(complaint(sealed(bad)), HasSubstr("column support_radius: expected finite numbers"));
+  bad = good;
+  put(bad, begin("beams") + 8, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THAT(complaint(sealed(bad)), HasSubstr("column beams: expected finite angles"));
 }
 
 TEST_F(FlirtMapFile, UnknownSectionsAreSkippedWhenOptional) {

@@ -42,6 +42,24 @@ TEST(OccupancyMap, OfNothingIsOneUnknownPixel) {
   EXPECT_EQ(cell_state(map.image.pixels.front(), map.metadata), CellState::unknown);
 }
 
+TEST(OccupancyMap, OfAWideMapHasLargerPixelsThatShowTheDarkestCell) {
+  EvidenceGrid grid;
+  grid.count({-7, -5}, {.hits = 0, .passes = 1});
+  grid.count({-6, -4}, {.hits = 3, .passes = 0});
+  grid.count({-5, -5}, {.hits = 0, .passes = 1});
+  grid.count({40'000, 20'000}, {.hits = 0, .passes = 1});  // 8 · 10⁸ cells
+  const GridMapImage map = occupancy_map(grid, "map.pgm").value();
+  EXPECT_DOUBLE_EQ(map.metadata.resolution, 0.1);
+  EXPECT_DOUBLE_EQ(map.metadata.origin.x, -0.35);
+  EXPECT_DOUBLE_EQ(map.metadata.origin.y, -0.25);
+  ASSERT_EQ(map.image.width, 20'004U);
+  ASSERT_EQ(map.image.height, 10'003U);
+  EXPECT_EQ(map.image.at(0, map.image.height - 1), 0);
+  EXPECT_EQ(map.image.at(1, map.image.height - 1), 254);
+  EXPECT_EQ(map.image.at(2, map.image.height - 1), 205);
+  EXPECT_EQ(map.image.at(map.image.width - 1, 0), 254);
+}
+
 TEST(OccupancyMap, RefusesScansTooFarApartForOneImage) {
   const Scan one_beam{.beams = {0, 0.1, 0, 50}, .ranges = {1.0}};
   EvidenceGrid grid;

@@ -118,6 +118,26 @@ TEST(PlaceMap, RejectsColumnsThatDoNotFit) {
               HasSubstr("map_from_sensor: expected finite poses within 10 000 km, found another at 1"));
 }
 
+TEST(PlaceMap, RejectsEvidenceTooWideToSearch) {
+  EvidenceGrid evidence;
+  evidence.count({0, 0}, {.hits = 1, .passes = 0});
+  evidence.count({400'000, 400'000}, {.hits = 1, .passes = 0});  // 20 km
+  const PlaceMapVectors vectors = vectors_of(small_map());
+  const auto map = PlaceMap::from_columns(views_of(vectors), 12, 16, {}, std::move(evidence), nullptr);
+  EXPECT_THAT(map.error().message, HasSubstr("expected scans near each other, in a box of up to 100 km²"));
+}
+
+TEST(BuildPlaceMap, RejectsScansTooFarFromEachOther) {
+  ScanLog log;
+  for (const double x : {0.0, 20e3}) {
+    log.scans.push_back(small_map_scan(0));
+    log.map_from_robot.push_back({x, x, 0});
+  }
+  EXPECT_THAT(build_place_map(log).error().message, HasSubstr("found one of 20106 m x 20106 m"));
+  log.map_from_robot[1] = {6e3, 6e3, 0};
+  EXPECT_TRUE(build_place_map(log).has_value());
+}
+
 TEST(PlaceMap, RejectsImpossibleDescriptorShapes) {
   const PlaceMapVectors vectors = vectors_of(small_map());
   for (const auto& [dimension, stride] : {std::pair{17U, 16U}, {12U, 15U}, {0U, 16U}, {12U, 0U}, {12U, 1U << 30U}}) {

@@ -13,7 +13,7 @@ namespace {
 
 /// Best mean value of each tile of 4 × 4 cells and `headings_per_tile` headings, by the plain loops.
 std::vector<float> by_plain_loops(const MapFields& fields, const ScanPoints& points, const DenseSearchParams& params) {
-  const CoarseField& coarse = fields.coarse;
+  const CoarseField& coarse = *fields.coarse.at(0);
   const int headings = static_cast<int>(std::lround(2 * std::numbers::pi / params.heading_step));
   std::map<std::tuple<int, int, int>, int> best;
   for (int heading = 0; heading < headings; ++heading) {
@@ -61,10 +61,39 @@ TEST(DenseSearch, EqualsPlainLoops) {
             std::vector<float>(expected.begin(), expected.begin() + static_cast<std::ptrdiff_t>(values.size())));
 }
 
+TEST(DenseSearch, FindsTheSameWhereABlockOfALargeMapEnds) {
+  // A room alone, and in a map that is cut in its middle. It is moved by whole tiles, and keeps off the box of its map.
+  const auto walls = rooms::asymmetric_room();
+  EvidenceGrid alone;
+  EvidenceGrid large;
+  large.count({0, 0}, {.hits = 1, .passes = 9});
+  const double away = 126 * 3.2;
+  for (const Pose2& pose : rooms::walk({1.63, 1.52, 0})) {
+    const Scan scan = rooms::scan_of(rooms::moved(walls, {1.63, 1.52, 0}), pose, 6);
+    alone.add(scan, pose);
+    large.add(scan, {pose.x + away, pose.y, pose.theta});
+  }
+  const MapFields one = map_fields(alone);
+  const MapFields several = map_fields(large);
+  ASSERT_EQ(one.coarse.size(), 1U);
+  ASSERT_EQ(several.coarse.size(), 2U);
+  for (const auto& field : several.coarse) { EXPECT_GT(field->panels.size(), 1U); }
+  const ScanPoints points = scan_points(rooms::scan_of(walls, {3.1, 3.3, 0.4}, std::numbers::pi));
+  const std::vector<CoarsePose> expected = dense_search(one, points, {.candidates = 100});
+  const std::vector<CoarsePose> found = dense_search(several, points, {.candidates = 100});
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_NEAR(found[i].map_from_sensor.x, expected[i].map_from_sensor.x + away, 1e-9) << i;
+    EXPECT_NEAR(found[i].map_from_sensor.y, expected[i].map_from_sensor.y, 1e-9) << i;
+    EXPECT_EQ(found[i].map_from_sensor.theta, expected[i].map_from_sensor.theta) << i;
+    EXPECT_EQ(found[i].value, expected[i].value) << i;
+  }
+}
+
 TEST(DenseSearch, PutsATruePoseOnTheGridFirst) {
   const auto walls = rooms::asymmetric_room();
   const MapFields fields = map_fields(rooms::evidence_of(walls, rooms::walk({})));
-  const double cell = fields.coarse.cell_size;
+  const double cell = fields.coarse.at(0)->cell_size;
   const Pose2 truth{fields.origin.x + 20.5 * cell, fields.origin.y + 18.5 * cell, radians_from_degrees(30)};
   const auto found = dense_search(fields, scan_points(rooms::scan_of(walls, truth, std::numbers::pi)));
   ASSERT_FALSE(found.empty());

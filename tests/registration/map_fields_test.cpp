@@ -13,6 +13,20 @@ using rooms::moved;
 using rooms::scan_of;
 using rooms::walk;
 
+void expect_equal(const CoarseField& a, const CoarseField& b) {
+  EXPECT_EQ(a.block, b.block);
+  EXPECT_EQ(a.first, b.first);
+  EXPECT_EQ(a.quads.cells, b.quads.cells);
+  EXPECT_EQ(a.standable.cells, b.standable.cells);
+  EXPECT_EQ(a.peaks, b.peaks);
+  ASSERT_EQ(a.panels.size(), b.panels.size());
+  for (std::size_t i = 0; i < a.panels.size(); ++i) {
+    EXPECT_EQ(a.panels[i].corner, b.panels[i].corner);
+    EXPECT_EQ(a.panels[i].pairs, b.panels[i].pairs);
+    EXPECT_EQ(a.panels[i].standable, b.panels[i].standable);
+  }
+}
+
 void expect_equal(const MapFields& a, const MapFields& b) {
   EXPECT_EQ(a.origin.x, b.origin.x);
   EXPECT_EQ(a.origin.y, b.origin.y);
@@ -26,15 +40,8 @@ void expect_equal(const MapFields& a, const MapFields& b) {
     EXPECT_EQ(a.tiles[i]->line, b.tiles[i]->line) << i;
     EXPECT_EQ(a.tiles[i]->lines, b.tiles[i]->lines) << i;
   }
-  EXPECT_EQ(a.coarse.quads.cells, b.coarse.quads.cells);
-  EXPECT_EQ(a.coarse.standable.cells, b.coarse.standable.cells);
-  EXPECT_EQ(a.coarse.peaks, b.coarse.peaks);
-  ASSERT_EQ(a.coarse.panels.size(), b.coarse.panels.size());
-  for (std::size_t i = 0; i < a.coarse.panels.size(); ++i) {
-    EXPECT_EQ(a.coarse.panels[i].corner, b.coarse.panels[i].corner);
-    EXPECT_EQ(a.coarse.panels[i].pairs, b.coarse.panels[i].pairs);
-    EXPECT_EQ(a.coarse.panels[i].standable, b.coarse.panels[i].standable);
-  }
+  ASSERT_EQ(a.coarse.size(), b.coarse.size());
+  for (std::size_t i = 0; i < a.coarse.size(); ++i) { expect_equal(*a.coarse[i], *b.coarse[i]); }
 }
 
 /// Two rooms 30 m apart, so that most tiles of the one know nothing of the other.
@@ -89,16 +96,49 @@ TEST(MapFields, UpdatedShareTheTilesThatNothingChangedAround) {
   EXPECT_GE(shared, 9U);
 }
 
-TEST(MapFields, HoldNoTilesWhereNothingWasSeen) {
-  const std::size_t near = map_fields(two_rooms()).bytes();
+/// The room, and another at a given place.
+EvidenceGrid room_and_room_at(const Pose2& place) {
   EvidenceGrid grid = evidence_of(asymmetric_room(), walk({}));
-  const auto walls = moved(asymmetric_room(), {230, 100, 0.3});
-  for (const Pose2& pose : walk({230, 100, 0.3})) { grid.add(scan_of(walls, pose, 6), pose); }
-  const MapFields far = map_fields(grid);
+  const auto walls = moved(asymmetric_room(), place);
+  for (const Pose2& pose : walk(place)) { grid.add(scan_of(walls, pose, 6), pose); }
+  return grid;
+}
+
+TEST(MapFields, HoldNoTilesWhereNothingWasSeen) {
+  const MapFields far = map_fields(room_and_room_at({230, 100, 0.3}));
   std::size_t held = 0;
   for (const auto& tile : far.tiles) { held += tile ? 1 : 0; }
   EXPECT_LT(held, far.tiles.size() / 20);
-  EXPECT_LT(far.bytes() - far.coarse.bytes(), 3 * near);
+}
+
+TEST(MapFields, GrowWithWhatWasSeenAndNotWithTheBoxAroundIt) {
+  const std::size_t near = map_fields(two_rooms()).bytes();
+  const MapFields far = map_fields(room_and_room_at({3000, 4000, 0.3}));
+  EXPECT_EQ(far.coarse.size(), 2U);
+  EXPECT_LT(far.bytes() - far.tiles.size() * sizeof(far.tiles[0]), 2 * near);
+}
+
+TEST(MapFields, UpdatedEqualMadeAnewInAMapOfSeveralBlocks) {
+  // The second room lies on both sides of the border between two blocks, at 409.6 m from the map's corner.
+  EvidenceGrid grid = room_and_room_at({405, 20, 0});
+  const MapFields before = map_fields(grid);
+  ASSERT_EQ(before.coarse.size(), 2U);
+  const auto walls = moved(asymmetric_room(), {405, 20, 0});
+  const Pose2 pose{407, 23, 0.4};
+  grid.add(scan_of(walls, pose, 3), pose);
+  expect_equal(updated_fields(before, grid), map_fields(grid));
+  grid.remove(scan_of(walls, pose, 3), pose);
+  const Pose2 home{2, 3, 0.1};
+  grid.add(scan_of(asymmetric_room(), home, 3), home);
+  const MapFields after = updated_fields(before, grid);
+  EXPECT_NE(after.coarse[0], before.coarse[0]);
+  EXPECT_EQ(after.coarse[1], before.coarse[1]);
+  expect_equal(after, map_fields(grid));
+}
+
+TEST(MapFields, AreNotMadeOfMapsTooWideForATableOfTiles) {
+  EXPECT_FALSE(map_fields(room_and_room_at({9000, 9000, 0})).empty());
+  EXPECT_TRUE(map_fields(room_and_room_at({20000, 20000, 0})).empty());
 }
 
 TEST(MapFields, TilesDoNotDependOnWhereTheMapLies) {

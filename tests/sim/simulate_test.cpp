@@ -138,6 +138,14 @@ TEST(Simulate, SaysSoWhenTheRobotFitsNowhere) {
   EXPECT_FALSE(simulate(World{}));
 }
 
+TEST(Simulate, RefusesPlansTooWideForGridsOverThem) {
+  for (const double far : {1e5, 1e9, 1e308}) {
+    const World world{
+        {.segments = {{{0, 0}, {9, 0}}, {{9, 0}, {9, 9}}, {{9, 9}, {0, far}}, {{0, far}, {0, 0}}}}, {}, {}};
+    EXPECT_THAT(simulate(world).error().message, testing::HasSubstr("expected a plan of up to 10 km x 10 km"));
+  }
+}
+
 TEST(Simulate, DrivesThroughEveryPublishedMap) {
   const auto maps = data_file("maps");
   if (!maps) { GTEST_SKIP() << "maps is not there"; }
