@@ -65,6 +65,14 @@ const std::shared_ptr<const MapTile>* find_tile(const MapFields& before, CellInd
   return found ? &found : nullptr;
 }
 
+/// Null when it would be blank. `before` may be, too.
+std::shared_ptr<const MapTile> made_tile(const TileSurroundings& around, const MapFields& fields,
+                                         const MapTile* before) {
+  if (is_far_from_all(around, fields.params, fields.cell_size)) { return nullptr; }
+  auto tile = std::make_shared<const MapTile>(map_tile(around, fields.params, fields.cell_size, before));
+  return is_blank(*tile) ? nullptr : tile;
+}
+
 MapFields empty_fields(const EvidenceGrid& grid, const MapFieldParams& params) {
   MapFields fields;
   fields.cell_size = grid.params().cell_size;
@@ -121,9 +129,7 @@ MapFields updated_fields(const MapFields& before, const EvidenceGrid& grid) {
           tile = *old;
           continue;
         }
-        auto made = std::make_shared<const MapTile>(
-            map_tile(around, fields.params, fields.cell_size, old != nullptr ? old->get() : nullptr));
-        if (!is_blank(*made)) { tile = std::move(made); }
+        tile = made_tile(around, fields, old != nullptr ? old->get() : nullptr);
       }
       if (tile != nullptr || old != nullptr) { changed.push_back({x, y}); }
     }

@@ -258,6 +258,16 @@ MapTile::Sources sources_of(const TileSurroundings& around) {
   return sources;
 }
 
+bool is_far_from_all(const TileSurroundings& around, const MapFieldParams& params, double cell_size) {
+  if (around.at(0, 0) != nullptr) { return false; }
+  const int reach = reach_cells(params, cell_size);
+  const Window window = window_of(around, clearance_margin);
+  const auto holds = [&](std::uint8_t mark, std::int32_t within) {
+    return std::ranges::any_of(window.only(mark, within).cells, [](std::uint8_t cell) { return cell != 0; });
+  };
+  return !holds(TileMarks::occupied, reach) && !holds(TileMarks::strong, clearance_margin);
+}
+
 MapTile map_tile(const TileSurroundings& around, const MapFieldParams& params, double cell_size,
                  const MapTile* before) {
   const int reach = reach_cells(params, cell_size);

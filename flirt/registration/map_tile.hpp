@@ -115,6 +115,9 @@ struct TileSurroundings {
 
 [[nodiscard]] MapTile::Sources sources_of(const TileSurroundings& around);
 
+/// Whether nothing was seen in the tile in the middle nor anything stands near: its layers would be blank.
+[[nodiscard]] bool is_far_from_all(const TileSurroundings& around, const MapFieldParams& params, double cell_size);
+
 /// The layers of the tile in the middle; layers whose sources are those of `before`, if any, are copied from it.
 [[nodiscard]] MapTile map_tile(const TileSurroundings& around, const MapFieldParams& params, double cell_size,
                                const MapTile* before = nullptr);
