@@ -146,6 +146,20 @@ class Careless(unittest.TestCase):
         self.refused(2, f"flirt: {jumps}: expected scans near each other", "slam", jumps, "-o", out)
         self.assertEqual(list(out.iterdir()), [])
 
+    def test_scans_far_apart_make_a_map_or_are_refused(self):
+        scan = " ".join(["180"] + [f"{2 + i // 20 % 3}" for i in range(180)])
+        for kilometres, code in ((4, 0), (20, 2)):
+            log = self.file(f"{kilometres}km.log", "".join(
+                flaser(f"{i * kilometres * 500} {i % 2 * kilometres * 1000} 0", "0 0 0", scan, i) for i in range(3)))
+            out = self.work / f"{kilometres}km.flirt"
+            done = run("map", log, "-o", out, "--quiet")
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertEqual(out.exists(), code == 0)
+            if code == 0:
+                self.assertEqual(run("localize", out, log, "--scan", "1", "--quiet").returncode, 0)
+            else:
+                self.assertIn(f"flirt: {log}: expected scans near each other, in a box of up to 100 km²", done.stderr.decode())
+
     def test_nothing_to_compare_is_no_perfect_score(self):
         elsewhen = self.file("elsewhen.rel", "1e6 2e6 1 0 0 0 0 0\n")
         late = self.file("late.tum", "1e6 0 0 0 0 0 0 1\n")
