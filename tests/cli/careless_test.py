@@ -178,6 +178,19 @@ class Careless(unittest.TestCase):
         self.refused(1, "--office-seed", "bench", "buildings", "--office-seed", "3")
         self.refused(1, "--lidar-field-of-view", "bench", "buildings", "--lidar-field-of-view", "3")
 
+    def test_a_log_may_come_through_a_pipe(self):
+        with open(self.log, "rb") as log:
+            text = log.read()
+        done = subprocess.run([FLIRT, "info", "/dev/stdin", "--json", "-"], input=text, capture_output=True, check=False,
+                              timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        whole, piped = json.loads(run("info", self.log, "--json", "-").stdout), json.loads(done.stdout)
+        self.assertEqual({**piped, "log": 0}, {**whole, "log": 0})
+        done = subprocess.run([FLIRT, "convert", "/dev/stdin", self.work / "piped.tum"], input=text, capture_output=True,
+                              check=False, timeout=60)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn(b"/dev/stdin: expected a regular file, found a pipe", done.stderr)
+
     @unittest.skipUnless(os.path.exists("/dev/full"), "no /dev/full")
     def test_output_that_does_not_arrive_is_an_error(self):
         for arguments in (["info", self.log], ["info", self.log, "--json", "-"], ["localize", self.map, self.log]):
