@@ -152,12 +152,24 @@ double LineReader::share_read() const {
   return std::min(1.0, static_cast<double>(gzoffset(static_cast<gzFile>(file_.get()))) / file_bytes_);
 }
 
+void LineReader::mark() {
+  mark_ = Mark{begin_, line_};
+}
+
+void LineReader::rewind() {
+  begin_ = mark_->begin;
+  scanned_ = begin_;
+  line_ = mark_->line;
+  mark_.reset();
+}
+
 Result<void> LineReader::refill() {
-  if (begin_ > 0) {
-    std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
-    end_ -= begin_;
-    scanned_ -= begin_;
-    begin_ = 0;
+  if (const std::size_t used = mark_ ? mark_->begin : begin_; used > 0) {
+    std::memmove(buffer_.data(), buffer_.data() + used, end_ - used);
+    end_ -= used;
+    scanned_ -= used;
+    begin_ -= used;
+    if (mark_) { mark_->begin = 0; }
   }
   if (buffer_.size() - end_ < chunk_bytes) { buffer_.resize(std::max(2 * buffer_.size(), end_ + chunk_bytes)); }
   auto* const file = static_cast<gzFile>(file_.get());

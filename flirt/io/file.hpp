@@ -40,6 +40,11 @@ class LineReader {
   /// Errors: no such file, a folder, no permission.
   [[nodiscard]] static Result<LineReader> open(const std::filesystem::path& path);
 
+  /// From here on all that is read is kept, until `rewind` makes this the next line again: a pipe can be read only
+  /// once.
+  void mark();
+  void rewind();
+
   /// The next line, or nothing at the end. Errors: broken or cut short gzip data, read errors.
   [[nodiscard]] Result<std::optional<Line>> next();
 
@@ -64,6 +69,11 @@ class LineReader {
   std::size_t end_{0};      ///< of what is in the buffer
   std::size_t scanned_{0};  ///< no line end in [begin_, scanned_)
   std::size_t line_{0};
+  struct Mark {
+    std::size_t begin;
+    std::size_t line;
+  };
+  std::optional<Mark> mark_{};
   bool at_end_{false};
 };
 

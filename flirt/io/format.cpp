@@ -8,6 +8,7 @@
 #include "flirt/io/tum.hpp"
 
 #include <string>
+#include <system_error>
 
 namespace flirt {
 namespace {
@@ -22,6 +23,12 @@ bool is_of(std::string_view kind, std::initializer_list<std::string_view> kinds)
 }  // namespace
 
 Result<FileFormat> format_of(const std::filesystem::path& path) {
+  std::error_code error;
+  if (const auto status = std::filesystem::status(path, error); std::filesystem::exists(status) &&
+                                                                !std::filesystem::is_regular_file(status) &&
+                                                                !std::filesystem::is_directory(status)) {
+    return fail(path.string() + ": expected a regular file, found a pipe or a device");  // readers open it again
+  }
   auto lines = LineReader::open(path);
   if (!lines) { return tl::unexpected(lines.error()); }
   bool has_graph_lines = false;

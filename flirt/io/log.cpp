@@ -12,20 +12,18 @@ namespace {
 
 constexpr std::size_t lines_to_look_at = 10000;
 
-/// A complaint when the file is no log that can be read: looks for a line of a known kind.
-Result<void> require_known_format(const std::filesystem::path& path) {
-  auto lines = LineReader::open(path);
-  if (!lines) { return tl::unexpected(lines.error()); }
+/// A complaint when the lines are of no log that can be read: looks for one of a known kind.
+Result<void> require_known_format(LineReader& lines) {
   std::string first;
   for (std::size_t i = 0; i < lines_to_look_at; ++i) {
-    const auto line = lines->next();
+    const auto line = lines.next();
     if (!line) { return tl::unexpected(line.error()); }
     if (!*line) { break; }
     if (is_carmen_line((*line)->text)) { return {}; }
     if (first.empty()) { first = (*line)->text.substr(0, 60); }
   }
   const std::string found = first.empty() ? "an empty file" : "none, beginning with " + in_quotes(first);
-  return fail(path.string() + ": expected lines of a CARMEN log, found " + found);
+  return fail(lines.name() + ": expected lines of a CARMEN log, found " + found);
 }
 
 std::string counted(std::size_t n, std::string_view what) {
@@ -61,9 +59,11 @@ Result<LoadedLog> read_log(const std::filesystem::path& path, const ReadOptions&
   if (options.range_max && !(*options.range_max > 0)) {
     return fail("the longest range: expected more than 0 m, found " + std::to_string(*options.range_max));
   }
-  if (auto good = require_known_format(path); !good) { return tl::unexpected(good.error()); }
   auto lines = LineReader::open(path);
   if (!lines) { return tl::unexpected(lines.error()); }
+  lines->mark();
+  if (auto good = require_known_format(*lines); !good) { return tl::unexpected(good.error()); }
+  lines->rewind();
   return read_carmen(*lines, options, progress);
 }
 

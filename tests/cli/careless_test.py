@@ -146,6 +146,20 @@ class Careless(unittest.TestCase):
         self.refused(2, f"flirt: {jumps}: expected scans near each other", "slam", jumps, "-o", out)
         self.assertEqual(list(out.iterdir()), [])
 
+    def test_scans_far_apart_make_a_map_or_are_refused(self):
+        scan = " ".join(["180"] + [f"{2 + i // 20 % 3}" for i in range(180)])
+        for kilometres, code in ((4, 0), (20, 2)):
+            log = self.file(f"{kilometres}km.log", "".join(
+                flaser(f"{i * kilometres * 500} {i % 2 * kilometres * 1000} 0", "0 0 0", scan, i) for i in range(3)))
+            out = self.work / f"{kilometres}km.flirt"
+            done = run("map", log, "-o", out, "--quiet")
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertEqual(out.exists(), code == 0)
+            if code == 0:
+                self.assertEqual(run("localize", out, log, "--scan", "1", "--quiet").returncode, 0)
+            else:
+                self.assertIn(f"flirt: {log}: expected scans near each other, in a box of up to 100 km²", done.stderr.decode())
+
     def test_nothing_to_compare_is_no_perfect_score(self):
         elsewhen = self.file("elsewhen.rel", "1e6 2e6 1 0 0 0 0 0\n")
         late = self.file("late.tum", "1e6 0 0 0 0 0 0 1\n")
@@ -163,6 +177,19 @@ class Careless(unittest.TestCase):
         self.refused(1, "--optimize-backend", "bench", "optimizers", self.log, "--optimize-backend", "toro")
         self.refused(1, "--office-seed", "bench", "buildings", "--office-seed", "3")
         self.refused(1, "--lidar-field-of-view", "bench", "buildings", "--lidar-field-of-view", "3")
+
+    def test_a_log_may_come_through_a_pipe(self):
+        with open(self.log, "rb") as log:
+            text = log.read()
+        done = subprocess.run([FLIRT, "info", "/dev/stdin", "--json", "-"], input=text, capture_output=True, check=False,
+                              timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        whole, piped = json.loads(run("info", self.log, "--json", "-").stdout), json.loads(done.stdout)
+        self.assertEqual({**piped, "log": 0}, {**whole, "log": 0})
+        done = subprocess.run([FLIRT, "convert", "/dev/stdin", self.work / "piped.tum"], input=text, capture_output=True,
+                              check=False, timeout=60)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn(b"/dev/stdin: expected a regular file, found a pipe", done.stderr)
 
     @unittest.skipUnless(os.path.exists("/dev/full"), "no /dev/full")
     def test_output_that_does_not_arrive_is_an_error(self):

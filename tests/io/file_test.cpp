@@ -69,6 +69,23 @@ TEST(LineReader, TellsALastLineWithoutEnd) {
   EXPECT_FALSE(reader->next()->has_value());
 }
 
+TEST(LineReader, GoesBackToAMarkHoweverMuchWasRead) {
+  const TemporaryFolder folder;
+  std::string text;
+  for (int i = 0; i < 30000; ++i) { text += "line " + std::to_string(i) + '\n'; }  // several buffers
+  auto reader = LineReader::open(folder.file("a", text));
+  EXPECT_EQ((*reader->next())->text, "line 0");
+  reader->mark();
+  for (int i = 1; i < 20000; ++i) { ASSERT_EQ((*reader->next())->text, "line " + std::to_string(i)); }
+  reader->rewind();
+  for (int i = 1; i < 30000; ++i) {
+    const auto line = *reader->next();
+    ASSERT_EQ(line->text, "line " + std::to_string(i));
+    ASSERT_EQ(line->number, static_cast<std::size_t>(i) + 1);
+  }
+  EXPECT_FALSE(reader->next()->has_value());
+}
+
 TEST(LineReader, ReadsGzipAsIfItWerePlain) {
   const TemporaryFolder folder;
   const fs::path path = folder.file("a.gz", gzipped("one\ntwo\n"));
