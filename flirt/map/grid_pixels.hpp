@@ -50,8 +50,8 @@ struct GridPixels {
 ///
 /// Maps of three shades are black wherever anything was hit more than now and then. No beam passes what is, besides,
 /// - black: nearer to certainty than to the threshold;
-/// - part of a wall: of occupied pixels, connected across corners too, at least 0.6 m across. Legs, posts and what people
-///   leave behind are smaller, and gone or moved when the next scan is taken;
+/// - part of a wall: of occupied pixels, connected across corners too, at least 0.6 m across. Legs, posts and what is
+///   left about are smaller, and gone or moved when the next scan is taken;
 /// - not the front of a thick wall. Where a wall is thicker than a pixel, those beside free space are what its scatter
 ///   has blackened: scans end there, and as many pass.
 /// Behind the front of a thick wall the next pixels are its core, if black, and those farther in unknown, as in a map
