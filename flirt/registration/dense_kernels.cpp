@@ -207,8 +207,8 @@ void bound_panel(const CoarseField& field, const CoarseField::Panel& panel, cons
   HWY_DYNAMIC_DISPATCH(offsets_of)
   (steps.tile_x.data(), steps.peak_row.data(), steps.count, reading, offsets.data());
   HWY_DYNAMIC_DISPATCH(bound_panel)
-  (field.peaks.data(), static_cast<std::size_t>(stride * phases), offsets.data(), steps.count, per_byte(field),
-   panel.pairs.data(), bounds);
+  (field.peaks.data(), static_cast<std::size_t>(stride) * CoarseField::phases, offsets.data(), steps.count,
+   per_byte(field), panel.pairs.data(), bounds);
 }
 
 PairKeys search_pair(const CoarseField& field, CellIndex corner, const std::uint8_t* standable, const Steps& steps,
