@@ -134,11 +134,8 @@ MapFields updated_fields(const MapFields& before, const EvidenceGrid& grid) {
       if (tile != nullptr || old != nullptr) { changed.push_back({x, y}); }
     }
   }
-  if (same_box(before, fields)) {
-    fields.coarse = coarse_fields(fields, before.coarse, changed);
-  } else {
-    fields.coarse = coarse_fields(fields, {}, {});
-  }
+  fields.coarse =
+      same_box(before, fields) ? coarse_fields(fields, before.coarse, changed) : coarse_fields(fields, {}, {});
   return fields;
 }
 

@@ -258,8 +258,7 @@ GridMapImage own_map(const HalvedLog& half) {
 struct GridMaker {
   const char* name;
   GridMapImage (*map)(const HalvedLog&);
-  double success;  ///< least share of right answers, less than by the scans themselves
-  double unique;   ///< least share called unique, less than by the scans themselves
+  double unique;  ///< by how much less of the scans may be called unique than by the scans themselves
 };
 
 TEST(PlaceMapFromGridOfARealBuilding, FindsScansAboutAsWellAsTheScansThatMadeIt) {
@@ -271,14 +270,14 @@ TEST(PlaceMapFromGridOfARealBuilding, FindsScansAboutAsWellAsTheScansThatMadeIt)
     const Tally by_scans = found_in(map_fields(half.evidence({})), half);
     by_scans.print(file + ", scans");
     for (const GridMaker& maker :
-         {GridMaker{"flirt slam", own_map, 0.05, 0.1}, GridMaker{"Karto", karto_map, 0.05, 0.15},
-          GridMaker{"Karto, thick", thick_karto_map, 0.05, 0.4}, GridMaker{"GMapping", gmapping_map, 0.05, 0.1},
-          GridMaker{"Cartographer", cartographer_map, 0.05, 0.2}}) {
+         {GridMaker{"flirt slam", own_map, 0.1}, GridMaker{"Karto", karto_map, 0.15},
+          GridMaker{"Karto, thick", thick_karto_map, 0.4}, GridMaker{"GMapping", gmapping_map, 0.1},
+          GridMaker{"Cartographer", cartographer_map, 0.2}}) {
       const GridMapImage grid = maker.map(half);
       const PlaceMap map = place_map_from_grid(grid.image, grid.metadata).value();
       const Tally by_grid = found_in(map_fields(map.evidence()), half);
       by_grid.print(std::string("  grid by ") + maker.name);
-      EXPECT_GE(by_grid.success(), by_scans.success() - maker.success) << maker.name;
+      EXPECT_GE(by_grid.success(), by_scans.success() - 0.05) << maker.name;
       EXPECT_GE(by_grid.called_unique(), by_scans.called_unique() - maker.unique) << maker.name;
       EXPECT_EQ(by_grid.unique_right, by_grid.unique) << maker.name;
     }

@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <map>
+#include <span>
+
 namespace flirt {
 namespace {
 
@@ -102,6 +106,37 @@ EvidenceGrid room_and_room_at(const Pose2& place) {
   const auto walls = moved(asymmetric_room(), place);
   for (const Pose2& pose : walk(place)) { grid.add(scan_of(walls, pose, 6), pose); }
   return grid;
+}
+
+TEST(MapFields, TilesFarFromAllWouldBeBlank) {
+  const EvidenceGrid grid = two_rooms();
+  const MapFieldParams params;
+  std::map<std::pair<std::int32_t, std::int32_t>, TileMarks> seen;
+  grid.for_each_tile([&](CellIndex tile, std::span<const EvidenceCell> cells) {
+    seen.emplace(std::pair{tile.x, tile.y}, TileMarks(cells));
+  });
+  int far = 0;
+  int made = 0;
+  for (std::int32_t y = -6; y < 16; ++y) {
+    for (std::int32_t x = -6; x < 22; ++x) {
+      TileSurroundings around{.reach = tile_reach(params, 0.05), .marks = {}};
+      for (std::int32_t dy = -around.reach; dy <= around.reach; ++dy) {
+        for (std::int32_t dx = -around.reach; dx <= around.reach; ++dx) {
+          const auto found = seen.find({x + dx, y + dy});
+          around.marks.push_back(found == seen.end() ? nullptr : &found->second);
+        }
+      }
+      const bool blank = is_blank(map_tile(around, params, 0.05));
+      if (is_far_from_all(around, params, 0.05)) {
+        ++far;
+        EXPECT_TRUE(blank) << x << ' ' << y;
+      } else {
+        made += blank ? 0 : 1;
+      }
+    }
+  }
+  EXPECT_GT(far, 100);
+  EXPECT_GT(made, 20);
 }
 
 TEST(MapFields, HoldNoTilesWhereNothingWasSeen) {
