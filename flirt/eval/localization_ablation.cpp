@@ -17,6 +17,8 @@ void add_search_variants(const LocalizeParams& full, std::vector<LocalizationVar
   };
   add("no-coarse-penalty", "coarse search does not tell free from unknown space",
       [](LocalizeParams& params) { params.fields.free_penalty = 0; });
+  add("one-reading", "what is not unique without legs is not read again with them",
+      [](LocalizeParams& params) { params.few_legs = 0; });
   add("no-heats", "coarse poses compared as they are for which to refine",
       [](LocalizeParams& params) { params.search.heat_steps = 0; });
   add("few-candidates", "100 coarse tiles kept instead of 1000",

@@ -35,6 +35,41 @@ std::vector<PoseHypothesis> hypotheses_of(const SolutionSet& set) {
   return hypotheses;
 }
 
+/// The end points of a scan without those on legs; and, should that not be enough to tell where it is, with them, where
+/// they are few.
+std::vector<ScanPoints> readings_of(const Scan& scan, const LocalizeParams& params) {
+  ScanPointParams all = params.search.points;
+  all.leg_width = 0;
+  std::vector<ScanPoints> readings{scan_points(scan, params.search.points)};
+  ScanPoints with_legs = scan_points(scan, all);
+  const auto on_legs = static_cast<double>(with_legs.size()) - static_cast<double>(readings.front().size());
+  if (on_legs > 0 && on_legs < params.few_legs * static_cast<double>(with_legs.size())) {
+    readings.push_back(std::move(with_legs));
+  }
+  return readings;
+}
+
+/// Where the end points fit, near `places` or, without them, anywhere.
+LocalizationResult answer_of(const MapFields& fields, const ScanPoints& points,
+                             const std::optional<std::vector<Pose2>>& places, const LocalizeParams& params,
+                             LocalizeTimes& times) {
+  Stopwatch stopwatch;
+  const std::vector<CoarsePose> coarse = places ? dense_search_near(fields, points, *places, params.search.dense)
+                                                : dense_search(fields, points, params.search.dense);
+  times.search_us += stopwatch.lap_us();
+  const std::vector<Pose2> promising = finalists(fields, points, coarse, params.search);
+  times.rank_us += stopwatch.lap_us();
+  const std::vector<ScoredPose> poses = distinct(judge(fields, points, promising, params.search), params.search);
+  const Judgement judgement = judge_answer(poses, points.size(), params.verdict);
+  LocalizationResult result{.verdict = judgement.verdict,
+                            .reason = judgement.reason,
+                            .confidence = judgement.confidence,
+                            .hypotheses = hypotheses_of(poses, params.verdict),
+                            .points = static_cast<std::uint32_t>(points.size())};
+  times.refine_us += stopwatch.lap_us();
+  return result;
+}
+
 }  // namespace
 
 Localizer::Localizer(const PlaceMap& map, const LocalizeParams& params, std::size_t threads)
@@ -45,55 +80,42 @@ Localizer::Localizer(const PlaceMap& map, const LocalizeParams& params, std::siz
       evidence_(map, params.fields),
       finder_(map, params.papers, threads) {}
 
-std::vector<CoarsePose> Localizer::candidates(const MapFields& fields, const Scan& scan, const ScanPoints& points,
-                                              LocalizeTimes& times) {
-  Stopwatch stopwatch;
-  if (!votes_needed(fields)) {
-    std::vector<CoarsePose> coarse = dense_search(fields, points, params_.search.dense);
-    times.search_us = stopwatch.lap_us();
-    return coarse;
-  }
-  const Features features = features_of(scan, times);
-  stopwatch.lap_us();
-  const std::vector<Pose2> places = landmarks_->vote(features);
-  times.match_us = stopwatch.lap_us();
-  std::vector<CoarsePose> coarse = dense_search_near(fields, points, places, params_.search.dense);
-  times.search_us = stopwatch.lap_us();
-  return coarse;
-}
-
 bool Localizer::votes_needed(const MapFields& fields) const {
   return params_.method == LocalizeMethod::features ||
          (params_.method == LocalizeMethod::automatic && fields.searched_area() > params_.largest_dense);
 }
 
-LocalizationResult Localizer::by_evidence(const Scan& scan, const ScanPoints& points, ScanInterval excluded,
-                                          LocalizeTimes& times) {
+/// Where keypoints vote for.
+std::vector<Pose2> Localizer::voted_places(const Scan& scan, ScanInterval excluded, LocalizeTimes& times) {
   Stopwatch stopwatch;
-  const MapFields& fields = evidence_.fields(excluded);
-  if (votes_needed(fields) && (!landmarks_ || excluded_ != excluded)) {
+  if (!landmarks_ || excluded_ != excluded) {
     landmarks_.emplace(map_, params_.landmarks, excluded);
     excluded_ = excluded;
   }
-  times.prepare_us = stopwatch.lap_us();
-  LocalizationResult result;
-  if (fields.empty()) {
-    result.reason = Reason::empty_map;
-    return result;
-  }
-  result.points = static_cast<std::uint32_t>(points.size());
-  const std::vector<CoarsePose> coarse = candidates(fields, scan, points, times);
+  times.prepare_us += stopwatch.lap_us();
+  const Features features = features_of(scan, times);
   stopwatch.lap_us();
-  const std::vector<Pose2> promising = finalists(fields, points, coarse, params_.search);
-  times.rank_us = stopwatch.lap_us();
-  const std::vector<ScoredPose> poses = distinct(judge(fields, points, promising, params_.search), params_.search);
-  const Judgement judgement = judge_answer(poses, points.size(), params_.verdict);
-  result.verdict = judgement.verdict;
-  result.reason = judgement.reason;
-  result.confidence = judgement.confidence;
-  result.hypotheses = hypotheses_of(poses, params_.verdict);
-  times.refine_us = stopwatch.lap_us();
-  return result;
+  std::vector<Pose2> places = landmarks_->vote(features);
+  times.match_us = stopwatch.lap_us();
+  return places;
+}
+
+/// The most confident answer of the readings, which are asked in turn until one is unique.
+LocalizationResult Localizer::by_evidence(const Scan& scan, std::span<const ScanPoints> readings, ScanInterval excluded,
+                                          LocalizeTimes& times) {
+  Stopwatch stopwatch;
+  const MapFields& fields = evidence_.fields(excluded);
+  times.prepare_us = stopwatch.lap_us();
+  if (fields.empty()) { return {.reason = Reason::empty_map}; }
+  std::optional<std::vector<Pose2>> places;
+  if (votes_needed(fields)) { places = voted_places(scan, excluded, times); }
+  LocalizationResult best = answer_of(fields, readings.front(), places, params_, times);
+  for (const ScanPoints& points : readings.subspan(1)) {
+    if (best.verdict == Verdict::unique) { break; }
+    LocalizationResult other = answer_of(fields, points, places, params_, times);
+    if (other.confidence > best.confidence) { best = std::move(other); }
+  }
+  return best;
 }
 
 Features Localizer::features_of(const Scan& scan, LocalizeTimes& times) {
@@ -121,7 +143,7 @@ LocalizationResult Localizer::localize(const Scan& scan, ScanInterval excluded, 
   LocalizeTimes taken;
   LocalizationResult result = params_.method == LocalizeMethod::papers
                                   ? by_papers(scan, excluded, taken)
-                                  : by_evidence(scan, scan_points(scan, params_.search.points), excluded, taken);
+                                  : by_evidence(scan, readings_of(scan, params_), excluded, taken);
   if (times != nullptr) { *times = taken; }
   return result;
 }
@@ -129,7 +151,7 @@ LocalizationResult Localizer::localize(const Scan& scan, ScanInterval excluded, 
 LocalizationResult Localizer::localize_points(const Scan& scan, const ScanPoints& points, ScanInterval excluded,
                                               LocalizeTimes* times) {
   LocalizeTimes taken;
-  LocalizationResult result = by_evidence(scan, points, excluded, taken);
+  LocalizationResult result = by_evidence(scan, {&points, 1}, excluded, taken);
   if (times != nullptr) { *times = taken; }
   return result;
 }

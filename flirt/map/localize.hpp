@@ -25,6 +25,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -52,6 +53,9 @@ struct LocalizeParams {
   LandmarkParams landmarks{};  ///< of the method `features`
   /// m² that a dense search may run over; a larger map is searched where features vote, with `automatic`.
   double largest_dense{1e6};
+  /// Share of the end points that may lie on legs for a scan to be read a second time, legs and all, when the first
+  /// answer is not unique: where so few stand about they are more likely furniture than people. 0: never.
+  double few_legs{0.1};
   VerdictParams verdict{};
   SolutionSetParams papers{};  ///< of the method `papers`
 };
@@ -107,11 +111,10 @@ class Localizer {
   [[nodiscard]] const MapFields& fields(ScanInterval excluded = {}) { return evidence_.fields(excluded); }
 
  private:
-  [[nodiscard]] std::vector<CoarsePose> candidates(const MapFields& fields, const Scan& scan, const ScanPoints& points,
-                                                   LocalizeTimes& times);
   [[nodiscard]] bool votes_needed(const MapFields& fields) const;
-  [[nodiscard]] LocalizationResult by_evidence(const Scan& scan, const ScanPoints& points, ScanInterval excluded,
-                                               LocalizeTimes& times);
+  [[nodiscard]] std::vector<Pose2> voted_places(const Scan& scan, ScanInterval excluded, LocalizeTimes& times);
+  [[nodiscard]] LocalizationResult by_evidence(const Scan& scan, std::span<const ScanPoints> readings,
+                                               ScanInterval excluded, LocalizeTimes& times);
   [[nodiscard]] Features features_of(const Scan& scan, LocalizeTimes& times);
   [[nodiscard]] LocalizationResult by_papers(const Scan& scan, ScanInterval excluded, LocalizeTimes& times);
 

@@ -9,6 +9,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <utility>
+#include <vector>
 
 namespace flirt {
 namespace {
@@ -138,6 +141,47 @@ TEST(Localize, TwinRoomsAreAmbiguousAndBothAreNamed) {
   EXPECT_TRUE(is_near(first, truth, 0.1, 0.03) || is_near(second, truth, 0.1, 0.03));
   EXPECT_TRUE(is_near(first, map_from_twin * truth, 0.1, 0.03) || is_near(second, map_from_twin * truth, 0.1, 0.03));
   EXPECT_GT(result.hypotheses[1].weight, 0.1);
+}
+
+/// Posts as thin as legs.
+Scene posts(std::span<const Point2> places) {
+  Scene scene;
+  for (const Point2& place : places) { scene = joined(std::move(scene), box({place.x, place.y, 0.2}, 0.12, 0.12)); }
+  return scene;
+}
+
+/// The furnished room with five posts, and its twin without them.
+struct RoomsThatPostsTellApart {
+  Scene posted =
+      joined(furnished_room(), posts(std::vector<Point2>{{2, -1}, {-1.5, 2}, {-3, 0.2}, {0.4, -2.4}, {0.9, 2.6}}));
+  PlaceMap map = build_place_map([this] {
+                   const Pose2 map_from_twin{30, 5, 1.2};
+                   std::vector<Pose2> poses = poses_around(1.2, 6);
+                   for (const Pose2& pose : poses_around(1.2, 6)) { poses.push_back(map_from_twin * pose); }
+                   return log_of(joined(posted, moved(furnished_room(), map_from_twin)), poses);
+                 }())
+                     .value();
+};
+
+TEST(Localize, AFewPostsTellTwinRoomsApart) {
+  const RoomsThatPostsTellApart rooms;
+  const Pose2 truth{0.3, 0.2, 1.0};
+  const Scan scan = scan_of(rooms.posted, truth, turn_beams(), turn_beam_count);
+  EXPECT_EQ(localize(rooms.map, scan, {.few_legs = 0}).verdict, Verdict::ambiguous);
+  const LocalizationResult result = localize(rooms.map, scan);
+  EXPECT_EQ(result.verdict, Verdict::unique);
+  ASSERT_NE(result.best(), nullptr);
+  EXPECT_TRUE(is_near(result.best()->map_from_sensor, truth, 0.05, 0.02));
+}
+
+TEST(Localize, ACrowdIsNotTakenForFurniture) {
+  const RoomsThatPostsTellApart rooms;
+  const Pose2 truth{0.3, 0.2, 1.0};
+  std::vector<Point2> people;
+  for (const Pose2& pose : poses_around(1.5, 12)) { people.push_back(pose.translation()); }
+  const Scan scan = scan_of(joined(rooms.posted, posts(people)), truth, turn_beams(), turn_beam_count);
+  expect_equal(localize(rooms.map, scan), localize(rooms.map, scan, {.few_legs = 0}));
+  EXPECT_GT(localize(rooms.map, scan, {.few_legs = 1}).confidence, localize(rooms.map, scan).confidence);
 }
 
 TEST(Localize, ScansOfAnotherRoomAreNotUnique) {
