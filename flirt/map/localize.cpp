@@ -60,7 +60,7 @@ LocalizationResult answer_of(const MapFields& fields, const ScanPoints& points,
   const std::vector<Pose2> promising = finalists(fields, points, coarse, params.search);
   times.rank_us += stopwatch.lap_us();
   const std::vector<ScoredPose> poses = distinct(judge(fields, points, promising, params.search), params.search);
-  const Judgement judgement = judge_answer(poses, points.size(), params.verdict);
+  const Judgement judgement = judge_answer(poses, points_of_evidence(points, params.verdict), params.verdict);
   LocalizationResult result{.verdict = judgement.verdict,
                             .reason = judgement.reason,
                             .confidence = judgement.confidence,

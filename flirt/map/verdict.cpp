@@ -10,6 +10,12 @@ double evidence_strength(const EvidenceScore& score, std::size_t points) {
   return score.total * std::sqrt(static_cast<double>(points) / usual_points);
 }
 
+std::size_t points_of_evidence(const ScanPoints& points, const VerdictParams& params) {
+  const auto own = static_cast<double>(std::ranges::count_if(points.range, [](float range) { return range > 0; }));
+  const double joined = static_cast<double>(points.size()) - own;
+  return static_cast<std::size_t>(own + params.joined_points * joined);
+}
+
 double confidence_of(std::span<const ScoredPose> distinct_poses, std::size_t points, const VerdictParams& params) {
   const EvidenceScore& first = distinct_poses[0].score;
   double margin = params.largest_margin;

@@ -78,6 +78,7 @@ struct VerdictParams {
   double min_confidence{0.9};   ///< less is ambiguous; of the scans used in the fit, .993 of those above were right
   double min_margin{0.6};       ///< less is ambiguous: through the grid's cells, exact twins differ by as much
   double min_score{4};          ///< less is lost
+  double joined_points{0.25};   ///< of a point; what one of an earlier scan counts when scans are joined
   std::uint32_t min_points{8};  ///< end points; fewer are lost
 };
 
@@ -94,8 +95,15 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.min_confidence, Field{"min_confidence", "1", "less confidence is not unique", 0, 1});
   visit(params.min_margin, Field{"min_margin", "", "less margin to the second place is not unique", 0, 100});
   visit(params.min_score, Field{"min_score", "", "a best place with less is none", -100, 100});
+  visit(params.joined_points,
+        Field{"joined_points", "1", "of a point, what one of an earlier scan counts in a joined one", 0, 1});
   visit(params.min_points, Field{"min_points", "", "scans with fewer end points are lost", 1, 100000});
 }
+
+/// End points as evidence. Those of earlier scans, joined to the last one by odometry, see the same walls again, and
+/// have no beams that could speak against a place: with full weight joined scans were called unique in twins of their
+/// corridor.
+[[nodiscard]] std::size_t points_of_evidence(const ScanPoints& points, const VerdictParams& params = {});
 
 /// Probability that the first of the distinct poses (best first, at least one) is the right one, (0, 1).
 [[nodiscard]] double confidence_of(std::span<const ScoredPose> distinct_poses, std::size_t points,

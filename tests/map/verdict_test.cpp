@@ -55,6 +55,13 @@ TEST(Verdict, ConfidenceRisesWithMarginAndPointsAndFallsWithContradiction) {
   EXPECT_GT(confidence(12, 11, 80, 0), confidence(12, 11, 80, 0.2));
 }
 
+TEST(Verdict, PointsOfEarlierScansAreLessEvidence) {
+  const ScanPoints points{.x = {1, 2, 3, 4, 5, 6}, .y = {0, 0, 0, 0, 0, 0}, .range = {1, 2, 0, 0, 0, 0}};
+  EXPECT_EQ(points_of_evidence(points), 3U);
+  EXPECT_EQ(points_of_evidence(points, {.joined_points = 1}), 6U);
+  EXPECT_EQ(points_of_evidence(points, {.joined_points = 0}), 2U);
+}
+
 TEST(Verdict, WeightsAreThoseOfTheScores) {
   const std::vector<ScoredPose> poses{pose_of_score(12), pose_of_score(12), pose_of_score(2)};
   const std::vector<double> weights = weights_of(poses);
