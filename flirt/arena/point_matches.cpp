@@ -17,7 +17,8 @@ std::optional<Pose2> fit_pairs(const PointSets& points, std::span<const IndexPai
   for (const IndexPair& pair : pairs) {
     matched.push_back({points.query[pair.query], points.reference[pair.reference]});
   }
-  return fit_rigid(matched);
+  const std::optional<RigidMotion> motion = fit_rigid(matched);
+  return motion ? std::optional(motion->pose()) : std::nullopt;
 }
 
 double residual_of(const PointSets& points, const IndexPair& pair, const Pose2& reference_from_query) {

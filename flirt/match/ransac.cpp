@@ -77,17 +77,18 @@ std::optional<PairAlignment> Ransac::align(const KeypointColumns& reference, std
   params_.sampling == Sampling::random ? try_random(reference) : try_all(reference);
   if (!(best_cost_ < cost_of_nothing)) { return std::nullopt; }
 
-  evaluate(pose_of(best_motion_), reference, best_);
+  evaluate(rigid_motion_of(best_motion_), reference, best_);
   refine(reference);
   if (best_.inliers.size() < std::max<std::size_t>(2, params_.min_inliers)) { return std::nullopt; }
-  return PairAlignment{best_.reference_from_query, best_.residual, static_cast<std::uint32_t>(best_.inliers.size())};
+  return PairAlignment{best_.reference_from_query.pose(), best_.residual,
+                       static_cast<std::uint32_t>(best_.inliers.size())};
 }
 
 Eigen::Matrix3d Ransac::covariance() const {
   const double deviation = params_.keypoint_deviation > 0.0
                                ? params_.keypoint_deviation
-                               : deviation_from_residuals(best_.points, best_.reference_from_query);
-  return rigid_covariance(best_.points, best_.reference_from_query, deviation);
+                               : deviation_from_residuals(best_.points, best_.reference_from_query.pose());
+  return rigid_covariance(best_.points, deviation);
 }
 
 /// The candidates whose keypoints are in sight into usable_, each once; by descriptor distance, unless all their pairs
@@ -220,11 +221,8 @@ float Ransac::farthest_inlier(const Motion& reference_from_query) const {
 }
 
 /// The inliers of a motion, and its residual in double precision.
-void Ransac::evaluate(const Pose2& reference_from_query, const KeypointColumns& reference, Support& support) {
-  const double cosine = std::cos(reference_from_query.theta);
-  const double sine = std::sin(reference_from_query.theta);
-  const Motion motion{static_cast<float>(cosine), static_cast<float>(sine), static_cast<float>(reference_from_query.x),
-                      static_cast<float>(reference_from_query.y)};
+void Ransac::evaluate(const RigidMotion& reference_from_query, const KeypointColumns& reference, Support& support) {
+  const Motion motion = motion_of(reference_from_query);
   support.reference_from_query = reference_from_query;
   support.inliers.clear();
   support.points.clear();
@@ -250,9 +248,7 @@ void Ransac::evaluate(const Pose2& reference_from_query, const KeypointColumns& 
   double gain = 0.0;
   std::erase_if(support.inliers, [&](const IndexPair& pair) {
     const PointPair points{point(query_, pair.query), point(reference, pair.reference)};
-    const Point2 moved{reference_from_query.x + cosine * points.query.x - sine * points.query.y,
-                       reference_from_query.y + sine * points.query.x + cosine * points.query.y};
-    const double squared = squared_norm(points.reference - moved);
+    const double squared = squared_norm(points.reference - reference_from_query * points.query);
     if (!(squared < limit)) { return true; }
     gain += limit - squared;
     support.points.push_back(points);
@@ -264,7 +260,7 @@ void Ransac::evaluate(const Pose2& reference_from_query, const KeypointColumns& 
 /// Least squares over the inliers, and again over the inliers of that, while the residual falls.
 void Ransac::refine(const KeypointColumns& reference) {
   for (int i = 0; i < most_refinements; ++i) {
-    const std::optional<Pose2> reference_from_query = fit_rigid(best_.points);
+    const std::optional<RigidMotion> reference_from_query = fit_rigid(best_.points);
     if (!reference_from_query) { return; }
     evaluate(*reference_from_query, reference, refined_);
     if (!(refined_.residual < best_.residual)) { return; }

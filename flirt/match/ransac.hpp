@@ -116,7 +116,7 @@ class Ransac {
 
  private:
   struct Support {
-    Pose2 reference_from_query{};
+    RigidMotion reference_from_query{};
     double residual{0};
     std::vector<IndexPair> inliers{};
     std::vector<PointPair> points{};  ///< of the inliers
@@ -131,7 +131,7 @@ class Ransac {
   [[nodiscard]] float one_to_one_cost(const Motion& reference_from_query, std::size_t references);
   void pair_one_to_one(const Motion& reference_from_query, std::size_t references);
   [[nodiscard]] float farthest_inlier(const Motion& reference_from_query) const;
-  void evaluate(const Pose2& reference_from_query, const KeypointColumns& reference, Support& support);
+  void evaluate(const RigidMotion& reference_from_query, const KeypointColumns& reference, Support& support);
   void refine(const KeypointColumns& reference);
 
   RansacParams params_;

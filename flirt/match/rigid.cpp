@@ -21,6 +21,8 @@ struct Moments {
   double cross_sum{0};          ///< m², Σ q'×r' = length · sin θ
   double query_squares{0};      ///< m², Σ |q'|²
   double reference_squares{0};  ///< m², Σ |r'|²
+
+  [[nodiscard]] double length() const { return std::sqrt(dot_sum * dot_sum + cross_sum * cross_sum); }  ///< m²
 };
 
 Moments moments_of(std::span<const PointPair> pairs) {
@@ -43,17 +45,20 @@ Moments moments_of(std::span<const PointPair> pairs) {
 
 }  // namespace
 
-std::optional<Pose2> fit_rigid(std::span<const PointPair> pairs) {
+Pose2 RigidMotion::pose() const {
+  return {translation.x, translation.y, wrap_angle(std::atan2(sine, cosine))};
+}
+
+std::optional<RigidMotion> fit_rigid(std::span<const PointPair> pairs) {
   if (pairs.size() < 2) { return std::nullopt; }
   const Moments moments = moments_of(pairs);
-  const double length = std::sqrt(moments.dot_sum * moments.dot_sum + moments.cross_sum * moments.cross_sum);
+  const double length = moments.length();
   constexpr double smallest_size = 1e-18;   // m²: points within a nanometre of each other have no direction
   constexpr double smallest_share = 1e-12;  // below it, rounding decides the rotation
   const double size = std::sqrt(moments.query_squares * moments.reference_squares);  // length ≤ size (Cauchy, Schwarz)
   if (!(size > smallest_size && length > smallest_share * size) || !std::isfinite(length)) { return std::nullopt; }
-  const double theta = wrap_angle(std::atan2(moments.cross_sum, moments.dot_sum));
-  const Point2 translation = moments.reference_mean - Pose2{0.0, 0.0, theta} * moments.query_mean;
-  return Pose2{translation.x, translation.y, theta};
+  const RigidMotion rotation{moments.dot_sum / length, moments.cross_sum / length};
+  return RigidMotion{rotation.cosine, rotation.sine, moments.reference_mean - rotation * moments.query_mean};
 }
 
 double sum_of_squares(std::span<const PointPair> pairs, const Pose2& reference_from_query) {
@@ -62,30 +67,21 @@ double sum_of_squares(std::span<const PointPair> pairs, const Pose2& reference_f
   return sum;
 }
 
-Eigen::Matrix3d rigid_covariance(std::span<const PointPair> pairs, const Pose2& reference_from_query,
-                                 double point_deviation) {
+Eigen::Matrix3d rigid_covariance(std::span<const PointPair> pairs, double point_deviation) {
   FLIRT_ASSERT(pairs.size() >= 2);
   const Moments moments = moments_of(pairs);
-  const double length = std::hypot(moments.dot_sum, moments.cross_sum);
-  const double share = 1.0 / static_cast<double>(pairs.size());
-  const Pose2 rotation{0.0, 0.0, reference_from_query.theta};
-  // θ = atan2(cross_sum, dot_sum) and t = r̄ − R q̄. For one pair, with ⊥ a turn by +90° and δ the errors:
-  //   δθ = ⊥(R q')·δr / length − ⊥(Rᵀ r')·δq / length,   δt = share (δr − R δq) − ⊥(R q̄) δθ.
-  // The columns of a Jacobian over R δq instead of δq have the same J Jᵀ, since the errors are isotropic.
+  const double length = moments.length();
+  // θ = atan2(cross_sum, dot_sum) and t = r̄ − R q̄. For one pair of n, with ⊥ a turn by +90° and δ the errors:
+  //   δθ = ⊥(R q')·δr / length − ⊥(Rᵀ r')·δq / length,   δt = (δr − R δq) / n − ⊥(R q̄) δθ.
+  // The errors are isotropic, so R δq may stand for δq, and as Σ q' = Σ r' = 0 the two terms of δt are uncorrelated.
+  const double of_theta = (moments.query_squares + moments.reference_squares) / (length * length);
+  const double of_means = 2.0 / static_cast<double>(pairs.size());
+  const RigidMotion rotation{moments.dot_sum / length, moments.cross_sum / length};
   const Point2 lever = turned_left(rotation * moments.query_mean);
-  Eigen::Matrix3d unit_covariance = Eigen::Matrix3d::Zero();
-  for (const PointPair& pair : pairs) {
-    const Point2 by_reference = turned_left(rotation * (pair.query - moments.query_mean));
-    const Point2 by_query = turned_left(pair.reference - moments.reference_mean);
-    Eigen::Matrix<double, 3, 4> jacobian;
-    jacobian.row(2) << by_reference.x, by_reference.y, -by_query.x, -by_query.y;
-    jacobian.row(2) /= length;
-    jacobian.row(0) << share, 0.0, -share, 0.0;
-    jacobian.row(1) << 0.0, share, 0.0, -share;
-    jacobian.row(0) -= lever.x * jacobian.row(2);
-    jacobian.row(1) -= lever.y * jacobian.row(2);
-    unit_covariance += jacobian * jacobian.transpose();
-  }
+  const Eigen::Vector3d by_theta{-lever.x, -lever.y, 1.0};
+  Eigen::Matrix3d unit_covariance = of_theta * by_theta * by_theta.transpose();
+  unit_covariance(0, 0) += of_means;
+  unit_covariance(1, 1) += of_means;
   return point_deviation * point_deviation * unit_covariance;
 }
 

@@ -112,33 +112,49 @@ void truncated_costs(const Motion* motions, std::size_t count, const ScoredPoint
   }
 }
 
-void nearest_points(const Motion& motion, const ScoredPoints& query, const KeypointColumns& reference,
-                    std::uint32_t* nearest, float* squared) {
+/// For `Groups` groups of 16 points from `first`. Two at once, as one alone waits for its own results.
+template <std::size_t Groups>
+HWY_INLINE void nearest_points_of(const Motion& motion, const ScoredPoints& query, std::size_t first,
+                                  const KeypointColumns& reference, std::uint32_t* nearest, float* squared) {
   const Floats d;
   const hn::RebindToUnsigned<Floats> du;
-  for (std::size_t first = 0; first < query.count; first += 16) {
-    const MovedGroup moved = move_group(motion, query.x.data() + first, query.y.data() + first);
-    FloatVector smallest[parts];
-    hn::Vec<decltype(du)> index[parts];
+  MovedGroup moved[Groups];
+  FloatVector smallest[Groups][parts];
+  hn::Vec<decltype(du)> index[Groups][parts];
+  for (std::size_t group = 0; group < Groups; ++group) {
+    moved[group] = move_group(motion, query.x.data() + first + 16 * group, query.y.data() + first + 16 * group);
     for (std::size_t part = 0; part < parts; ++part) {
-      smallest[part] = hn::Set(d, 3e38F);
-      index[part] = hn::Zero(du);
-    }
-    for (std::uint32_t j = 0; j < reference.size(); ++j) {
-      const auto x = hn::Set(d, reference.x[j]);
-      const auto y = hn::Set(d, reference.y[j]);
-      for (std::size_t part = 0; part < parts; ++part) {
-        const auto distance = squared_distance(moved, part, x, y);
-        const auto smaller = hn::Lt(distance, smallest[part]);
-        smallest[part] = hn::IfThenElse(smaller, distance, smallest[part]);
-        index[part] = hn::IfThenElse(hn::RebindMask(du, smaller), hn::Set(du, j), index[part]);
-      }
-    }
-    for (std::size_t part = 0; part < parts; ++part) {
-      hn::StoreU(index[part], du, nearest + first + part * lanes);
-      hn::StoreU(smallest[part], d, squared + first + part * lanes);
+      smallest[group][part] = hn::Set(d, 3e38F);
+      index[group][part] = hn::Zero(du);
     }
   }
+  for (std::uint32_t j = 0; j < reference.size(); ++j) {
+    const auto x = hn::Set(d, reference.x[j]);
+    const auto y = hn::Set(d, reference.y[j]);
+    for (std::size_t group = 0; group < Groups; ++group) {
+      for (std::size_t part = 0; part < parts; ++part) {
+        const auto distance = squared_distance(moved[group], part, x, y);
+        const auto smaller = hn::Lt(distance, smallest[group][part]);
+        smallest[group][part] = hn::IfThenElse(smaller, distance, smallest[group][part]);
+        index[group][part] = hn::IfThenElse(hn::RebindMask(du, smaller), hn::Set(du, j), index[group][part]);
+      }
+    }
+  }
+  for (std::size_t group = 0; group < Groups; ++group) {
+    for (std::size_t part = 0; part < parts; ++part) {
+      hn::StoreU(index[group][part], du, nearest + 16 * group + part * lanes);
+      hn::StoreU(smallest[group][part], d, squared + 16 * group + part * lanes);
+    }
+  }
+}
+
+void nearest_points(const Motion& motion, const ScoredPoints& query, const KeypointColumns& reference,
+                    std::uint32_t* nearest, float* squared) {
+  std::size_t first = 0;
+  for (; first + 16 < query.count; first += 32) {
+    nearest_points_of<2>(motion, query, first, reference, nearest + first, squared + first);
+  }
+  if (first < query.count) { nearest_points_of<1>(motion, query, first, reference, nearest + first, squared + first); }
 }
 
 void fill_turns(CandidateColumns& c) {
@@ -173,8 +189,11 @@ HWY_INLINE hn::Mask<Floats> are_rigid(const CandidateColumns& c, std::size_t j, 
                               hn::Mul(turn_y, hn::LoadU(d, c.turn_sine.data() + first)));
   const auto with_j =
       hn::Add(hn::Mul(turn_x, hn::Set(d, c.turn_cosine[j])), hn::Mul(turn_y, hn::Set(d, c.turn_sine[j])));
-  const auto least = hn::Mul(hn::Set(d, limits.turn_cosine), hn::Sqrt(hn::Mul(query_squared, reference_squared)));
-  return hn::And(rigid, hn::Ge(hn::Min(with_i, with_j), least));
+  // worse ≥ cosine · d1·d2, both sides times their own size, which is cheaper than a root.
+  const auto worse = hn::Min(with_i, with_j);
+  const auto least =
+      hn::Mul(hn::Set(d, limits.turn_cosine * std::abs(limits.turn_cosine)), hn::Mul(query_squared, reference_squared));
+  return hn::And(rigid, hn::Ge(hn::Mul(worse, hn::Abs(worse)), least));
 }
 
 /// Bit i of row j, rows of `groups` · 16 bits. No branch here depends on what is found.
@@ -223,13 +242,16 @@ Segment segment_of(const CandidateColumns& c, std::size_t i, std::size_t j) {
 
 }  // namespace
 
-Motion motion_of(const Pose2& pose) {
-  return {static_cast<float>(std::cos(pose.theta)), static_cast<float>(std::sin(pose.theta)),
-          static_cast<float>(pose.x), static_cast<float>(pose.y)};
+Motion motion_of(const RigidMotion& motion) {
+  return {static_cast<float>(motion.cosine), static_cast<float>(motion.sine), static_cast<float>(motion.translation.x),
+          static_cast<float>(motion.translation.y)};
 }
 
-Pose2 pose_of(const Motion& motion) {
-  return {double{motion.x}, double{motion.y}, wrap_angle(std::atan2(double{motion.sine}, double{motion.cosine}))};
+RigidMotion rigid_motion_of(const Motion& motion) {
+  const double cosine{motion.cosine};
+  const double sine{motion.sine};
+  const double length = std::sqrt(cosine * cosine + sine * sine);
+  return {cosine / length, sine / length, {double{motion.x}, double{motion.y}}};
 }
 
 void ScoredPoints::assign(const KeypointColumns& keypoints) {
@@ -303,9 +325,10 @@ bool is_rigid_pair(const CandidateColumns& candidates, std::size_t i, std::size_
   const float query_squared = segment.query_x * segment.query_x + segment.query_y * segment.query_y;
   const float reference_squared = segment.reference_x * segment.reference_x + segment.reference_y * segment.reference_y;
   const float change = query_squared - reference_squared;
-  const float least = limits.turn_cosine * std::sqrt(query_squared * reference_squared);
+  const float least = limits.turn_cosine * std::abs(limits.turn_cosine) * (query_squared * reference_squared);
   const auto agrees = [&](std::size_t k) {
-    return segment.turn_x() * candidates.turn_cosine[k] + segment.turn_y() * candidates.turn_sine[k] >= least;
+    const float with_k = segment.turn_x() * candidates.turn_cosine[k] + segment.turn_y() * candidates.turn_sine[k];
+    return with_k * std::abs(with_k) >= least;
   };
   return change * change <= 8.0F * limits.length_change * (query_squared + reference_squared) &&
          std::min(query_squared, reference_squared) > limits.shortest_squared && agrees(i) && agrees(j);

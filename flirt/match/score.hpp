@@ -2,8 +2,8 @@
 #pragma once
 
 #include "flirt/core/aligned_vector.hpp"
-#include "flirt/core/pose2.hpp"
 #include "flirt/match/columns.hpp"
+#include "flirt/match/rigid.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -19,8 +19,9 @@ struct Motion {
   float x{0};  ///< m
   float y{0};  ///< m
 };
-[[nodiscard]] Motion motion_of(const Pose2& pose);
-[[nodiscard]] Pose2 pose_of(const Motion& motion);
+[[nodiscard]] Motion motion_of(const RigidMotion& motion);
+/// In double precision, of which the rotation is one.
+[[nodiscard]] RigidMotion rigid_motion_of(const Motion& motion);
 
 /// Query keypoints padded to groups of 16; padding has weight 0.
 struct ScoredPoints {

@@ -23,11 +23,14 @@ std::vector<PointPair> exact_pairs(std::initializer_list<Point2> points) {
 
 TEST(FitRigid, RecoversAnExactMotion) {
   for (const auto& pairs : {exact_pairs({{0, 0}, {1, 0}}), exact_pairs({{3, 4}, {-1, 2}, {0.5, -9}, {7, 7}})}) {
-    const auto pose = fit_rigid(pairs);
-    ASSERT_TRUE(pose);
-    EXPECT_NEAR(pose->x, reference_from_query.x, 1e-12);
-    EXPECT_NEAR(pose->y, reference_from_query.y, 1e-12);
-    EXPECT_NEAR(pose->theta, reference_from_query.theta, 1e-12);
+    const auto motion = fit_rigid(pairs);
+    ASSERT_TRUE(motion);
+    const Pose2 pose = motion->pose();
+    EXPECT_NEAR(pose.x, reference_from_query.x, 1e-12);
+    EXPECT_NEAR(pose.y, reference_from_query.y, 1e-12);
+    EXPECT_NEAR(pose.theta, reference_from_query.theta, 1e-12);
+    const Point2 point{-2, 5};
+    EXPECT_LT(norm(*motion * point - pose * point), 1e-12);
   }
 }
 
@@ -40,10 +43,10 @@ TEST(FitRigid, HasNoNeighbourOfSmallerResidual) {
     }
     const auto best = fit_rigid(pairs);
     ASSERT_TRUE(best);
-    const double least = sum_of_squares(pairs, *best);
+    const double least = sum_of_squares(pairs, best->pose());
     for (int direction = 0; direction < 3; ++direction) {
       for (const double step : {-1e-4, 1e-4}) {
-        Pose2 near = *best;
+        Pose2 near = best->pose();
         (direction == 0 ? near.x : direction == 1 ? near.y : near.theta) += step;
         EXPECT_GT(sum_of_squares(pairs, near), least);
       }
@@ -69,10 +72,10 @@ TEST(FitRigid, MovesWithEitherFrame) {
   Rng rng(2);
   std::vector<PointPair> pairs;
   for (int i = 0; i < 6; ++i) { pairs.push_back({{rng.normal(), rng.normal()}, {rng.normal(), rng.normal()}}); }
-  const Pose2 fit = *fit_rigid(pairs);
+  const Pose2 fit = fit_rigid(pairs)->pose();
   const Pose2 other_from_reference{-3, 8, -1};
   for (PointPair& pair : pairs) { pair.reference = other_from_reference * pair.reference; }
-  const Pose2 moved = *fit_rigid(pairs);
+  const Pose2 moved = fit_rigid(pairs)->pose();
   const Pose2 expected = other_from_reference * fit;
   EXPECT_LT(distance(moved, expected), 1e-12);
   EXPECT_LT(heading_difference(moved, expected), 1e-12);
@@ -84,33 +87,32 @@ TEST(RigidCovariance, IsTheNumericalDerivativeOfTheFit) {
   for (PointPair& pair : pairs) {  // residuals matter to the derivative
     pair.reference = pair.reference + Point2{rng.normal(0.0, 0.2), rng.normal(0.0, 0.2)};
   }
-  const Pose2 fit = *fit_rigid(pairs);
   Eigen::Matrix3d expected = Eigen::Matrix3d::Zero();
   const double step = 1e-6;
   for (PointPair& pair : pairs) {
     for (double* coordinate : {&pair.query.x, &pair.query.y, &pair.reference.x, &pair.reference.y}) {
       const double kept = *coordinate;
       *coordinate = kept + step;
-      const Pose2 above = *fit_rigid(pairs);
+      const Pose2 above = fit_rigid(pairs)->pose();
       *coordinate = kept - step;
-      const Pose2 below = *fit_rigid(pairs);
+      const Pose2 below = fit_rigid(pairs)->pose();
       *coordinate = kept;
       const Eigen::Vector3d derivative{(above.x - below.x) / (2 * step), (above.y - below.y) / (2 * step),
                                        (above.theta - below.theta) / (2 * step)};
       expected += 0.05 * 0.05 * derivative * derivative.transpose();
     }
   }
-  EXPECT_TRUE(rigid_covariance(pairs, fit, 0.05).isApprox(expected, 1e-6));
+  EXPECT_TRUE(rigid_covariance(pairs, 0.05).isApprox(expected, 1e-6));
 }
 
 TEST(RigidCovariance, OfManyPointsShrinksLikeOneOverCount) {
   std::vector<PointPair> pairs = exact_pairs({{1, 0}, {0, 1}, {-1, 0}, {0, -1}});
-  const Eigen::Matrix3d few = rigid_covariance(pairs, reference_from_query, 0.1);
+  const Eigen::Matrix3d few = rigid_covariance(pairs, 0.1);
   EXPECT_NEAR(few(0, 0), 2 * 0.01 / 4, 1e-12);  // both scans' errors, averaged over four points about the origin
   EXPECT_NEAR(few(2, 2), 2 * 0.01 / 4, 1e-12);  // Σ|q'|² = 4 m²
   const std::vector<PointPair> once = pairs;
   for (int copy = 0; copy < 9; ++copy) { pairs.insert(pairs.end(), once.begin(), once.end()); }
-  EXPECT_TRUE(rigid_covariance(pairs, reference_from_query, 0.1).isApprox(few / 10, 1e-9));
+  EXPECT_TRUE(rigid_covariance(pairs, 0.1).isApprox(few / 10, 1e-9));
 }
 
 /// Squared Mahalanobis distances of many noisy fits from the truth, sorted; χ² with 3 degrees of freedom if the
@@ -125,11 +127,11 @@ std::vector<double> squared_errors(std::size_t points, double deviation, bool ow
       const auto noise = [&] { return Point2{rng.normal(0.0, deviation), rng.normal(0.0, deviation)}; };
       pairs.push_back({point + noise(), reference_from_query * point + noise()});
     }
-    const Pose2 fit = *fit_rigid(pairs);
+    const Pose2 fit = fit_rigid(pairs)->pose();
     const double used = own_deviation ? deviation_from_residuals(pairs, fit) : deviation;
     const Eigen::Vector3d error{fit.x - reference_from_query.x, fit.y - reference_from_query.y,
                                 wrap_angle(fit.theta - reference_from_query.theta)};
-    errors.push_back(error.dot(rigid_covariance(pairs, fit, used).inverse() * error));
+    errors.push_back(error.dot(rigid_covariance(pairs, used).inverse() * error));
   }
   std::ranges::sort(errors);
   return errors;
@@ -170,7 +172,7 @@ TEST(DeviationFromResiduals, FindsTheNoiseThatWasAdded) {
       const auto noise = [&] { return Point2{rng.normal(0.0, 0.03), rng.normal(0.0, 0.03)}; };
       pairs.push_back({point + noise(), reference_from_query * point + noise()});
     }
-    const double deviation = deviation_from_residuals(pairs, *fit_rigid(pairs));
+    const double deviation = deviation_from_residuals(pairs, fit_rigid(pairs)->pose());
     sum += deviation * deviation;
   }
   EXPECT_NEAR(std::sqrt(sum / trials), 0.03, 0.0005);

@@ -47,6 +47,10 @@ std::vector<float> costs_of(const std::vector<Motion>& motions, const KeypointTa
   return costs;
 }
 
+Motion motion_from(const Pose2& pose) {
+  return motion_of({std::cos(pose.theta), std::sin(pose.theta), pose.translation()});
+}
+
 TEST(TruncatedCosts, AgreeWithPlainLoopsForAnyCount) {
   Rng rng(1);
   MovedPoints workspace;
@@ -58,7 +62,7 @@ TEST(TruncatedCosts, AgreeWithPlainLoopsForAnyCount) {
         std::vector<Pose2> poses(count);
         std::vector<Motion> motions;
         motions.reserve(count);
-        for (Pose2& pose : poses) { motions.push_back(motion_of(pose = test::random_pose(rng, 2.0))); }
+        for (Pose2& pose : poses) { motions.push_back(motion_from(pose = test::random_pose(rng, 2.0))); }
         const std::vector<float> costs = costs_of(motions, query, reference, workspace);
         for (std::size_t i = 0; i < count; ++i) {
           EXPECT_NEAR(costs[i], slow_cost(poses[i], query, reference, 0.5), 1e-4);
@@ -76,7 +80,7 @@ TEST(TruncatedCosts, OfManyMotionsAreThoseOfEachAloneBitByBit) {
     const KeypointTable reference = random_table(rng, 26);
     std::vector<Motion> motions;
     motions.reserve(50);
-    for (int i = 0; i < 50; ++i) { motions.push_back(motion_of(test::random_pose(rng, 1.0))); }
+    for (int i = 0; i < 50; ++i) { motions.push_back(motion_from(test::random_pose(rng, 1.0))); }
     const std::vector<float> together = costs_of(motions, query, reference, workspace);
     for (std::size_t i = 0; i < motions.size(); ++i) {
       EXPECT_EQ(together[i], costs_of({motions[i]}, query, reference, workspace).front());
@@ -205,7 +209,7 @@ TEST(MotionOfSegment, IsTheSameFromEitherEnd) {
 TEST(MotionOfSegment, MapsMiddleAndDirection) {
   Rng rng(6);
   const CandidateColumns c = random_candidates(rng, 2);
-  const Pose2 pose = pose_of(motion_of_segment(c, 0, 1));
+  const Pose2 pose = rigid_motion_of(motion_of_segment(c, 0, 1)).pose();
   const Point2 first = pose * Point2{c.query_x[0], c.query_y[0]};
   const Point2 second = pose * Point2{c.query_x[1], c.query_y[1]};
   EXPECT_NEAR(first.x + second.x, c.reference_x[0] + c.reference_x[1], 1e-5);
