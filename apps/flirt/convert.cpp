@@ -24,6 +24,7 @@ struct ConvertOptions {
   std::string in;
   std::string out;
   std::string to;
+  std::string message;
 };
 
 /// All that a file of any format may hold.
@@ -39,14 +40,15 @@ void lose(Content& content, bool is_there, const std::string& what) {
   if (is_there) { content.lost.push_back(what); }
 }
 
-void lose_lines(Content& content, const LineCounts& skipped) {
+void lose_lines(Content& content, const LineCounts& skipped, std::string_view unit = "line") {
   std::string list;
   for (const auto& [kind, n] : skipped) { list += fmt::format("{}{} {}", list.empty() ? "" : ", ", n, kind); }
-  lose(content, !list.empty(), "lines that were not read: " + list);
+  lose(content, !list.empty(), fmt::format("{}s that were not read: {}", unit, list));
 }
 
-void read_carmen_content(const ConvertOptions& options, const Session& session, Content& content) {
-  LoadedLog loaded = value_or_quit(read_log(options.in, {}, progress_bar(session, "reading")));
+void read_scans(const ConvertOptions& options, const Session& session, Content& content) {
+  LoadedLog loaded =
+      value_or_quit(read_log(options.in, {.message = options.message}, progress_bar(session, "reading")));
   LineCounts skipped = loaded.report.lines_skipped;
   if (skipped.contains("EDGE2") && skipped.contains("VERTEX2")) {
     content.graph = value_or_quit(read_toro_graph(options.in));
@@ -55,14 +57,17 @@ void read_carmen_content(const ConvertOptions& options, const Session& session, 
   skipped.erase("VERTEX2");  // repeats the poses of the scans
   content.trajectory = trajectory_of(loaded.log);
   content.log = std::move(loaded.log);
-  lose_lines(content, skipped);
+  lose_lines(content, skipped, loaded.report.unit);
 }
 
 Content read(const ConvertOptions& options, const Session& session) {
   Content content{.format = value_or_quit(format_of(options.in))};
+  const bool is_log = content.format == FileFormat::carmen || content.format == FileFormat::ros;
+  if (!options.message.empty() && !is_log) { throw UsageError("--message: expected a log, found another file"); }
   switch (content.format) {
     case FileFormat::carmen:
-      read_carmen_content(options, session, content);
+    case FileFormat::ros:
+      read_scans(options, session, content);
       break;
     case FileFormat::tum:
       content.trajectory = value_or_quit(read_tum(options.in));
@@ -176,6 +181,8 @@ int run(const ConvertOptions& options, const Session& session) {
     case FileFormat::carmen:
       write_log(options, content);
       break;
+    case FileFormat::ros:
+      throw UsageError("a recording of ROS is read, never written");
     case FileFormat::tum:
       write_trajectory(options, content);
       break;
@@ -209,13 +216,17 @@ int run(const ConvertOptions& options, const Session& session) {
 void add_convert(CLI::App& program, Session& session) {
   auto options = std::make_shared<ConvertOptions>();
   CLI::App* command =
-      add_command(program, session, "convert", "Between CARMEN logs, TUM trajectories and pose graphs (g2o, TORO).",
+      add_command(program, session, "convert",
+                  "From recordings of ROS, and between CARMEN logs, TUM trajectories and pose graphs (g2o, TORO).",
                   "flirt convert flirtlib-fr079.log.gz fr079.g2o");
-  command->add_option("IN", options->in, "file to read, plain or gzip; its format is told from its content")
+  command
+      ->add_option("IN", options->in,
+                   "file to read, plain or gzip, or folder of a ROS 2 recording; the format is told from the content")
       ->required();
   command->add_option("OUT", options->out, "file to write: .log, .clf, .carmen; .tum; .g2o; .graph, .toro")->required();
   command->add_option("--to", options->to, "format to write, whatever the name: carmen, tum, g2o, toro")
       ->check(CLI::IsMember({"carmen", "tum", "g2o", "toro"}));
+  command->add_option("--message", options->message, "scans to read from a log of several scanners, as /scan_front");
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

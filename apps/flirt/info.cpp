@@ -70,7 +70,8 @@ void print_text(const InfoOptions& options, const LoadedLog& loaded, const LogSu
   const Scan& scan = loaded.log.scans.front();
   const Pose2& laser = scan.robot_from_sensor;
   print_line("log", options.log);
-  print_line("format", fmt::format("{}{}, {} lines", report.format, report.is_gzip ? " (gzip)" : "", report.lines));
+  print_line("format",
+             fmt::format("{}{}, {} {}s", report.format, report.is_gzip ? " (gzip)" : "", report.lines, report.unit));
   print_line("used", counts_text(report.lines_used));
   print_line("skipped", counts_text(report.lines_skipped));
   print_line("scans", fmt::format("{} x {}", summary.scans, beams_text(summary)));
@@ -178,10 +179,11 @@ void add_info(CLI::App& program, Session& session) {
   CLI::App* command =
       add_command(program, session, "info", "What a log holds: scans, angles, ranges, stamps, poses, oddities.",
                   "flirt info run.log.gz --json info.json");
-  command->add_option("LOG", options->log, "log file, plain or gzip")->required();
-  command->add_flag("--lenient", options->is_lenient, "skip and count broken lines instead of stopping at the first");
+  command->add_option("LOG", options->log, "log: CARMEN, plain or gzip, or a recording of ROS")->required();
+  command->add_flag("--lenient", options->is_lenient,
+                    "skip and count broken lines or messages instead of stopping at the first");
   command->add_option("--message", options->message,
-                      "kind of scan lines to read, as RAWLASER1; else the first that appears");
+                      "scans to read: a kind of lines, as RAWLASER1, or a topic; else the first that appears");
   command
       ->add_option("--range-max", options->range_max,
                    "m; readings of this length or more are no return; else from the log")

@@ -1,5 +1,7 @@
 #include "flirt/io/carmen_assembly.hpp"
 
+#include "flirt/io/log_oddities.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,10 +10,9 @@
 namespace flirt::carmen {
 namespace {
 
-constexpr double assumed_range_max = 50.0;  // m
-constexpr double same_pose = 1e-6;          // m, rad; the logs write at least so many digits of equal poses
-constexpr double same_mounting = 1e-5;      // m, rad; rounding of two poses with six decimals
-constexpr double mounting_slack = 2e-3;     // m, rad; rounding of two poses with six significant digits
+constexpr double same_pose = 1e-6;       // m, rad; the logs write at least so many digits of equal poses
+constexpr double same_mounting = 1e-5;   // m, rad; rounding of two poses with six decimals
+constexpr double mounting_slack = 2e-3;  // m, rad; rounding of two poses with six significant digits
 
 bool is_near(const Pose2& a, const Pose2& b, double tolerance) {
   return std::abs(a.x - b.x) <= tolerance && std::abs(a.y - b.y) <= tolerance && heading_difference(a, b) <= tolerance;
@@ -153,84 +154,25 @@ void place(const Gathered& gathered, ScanLog& log, LogReport& report) {
 
 // --- Ranges ----------------------------------------------------------------------------------------------------------
 
-/// Declared by the scan line, else by a parameter, else assumed.
-RangeMaxSource declare_range_max(const Gathered& gathered, std::vector<Scan>& scans) {
+/// By a parameter, where the scan line does not say.
+void declare_range_max(const Gathered& gathered, std::vector<Scan>& scans) {
   const std::optional<double>& parameter =
       gathered.kind == "RLASER" ? gathered.rear_range_max : gathered.front_range_max;
-  RangeMaxSource source = RangeMaxSource::declared;
+  if (!parameter || !(*parameter > 0)) { return; }
   for (Scan& scan : scans) {
-    if (scan.beams.range_max > 0) { continue; }
-    const bool has_parameter = parameter && *parameter > 0;
-    scan.beams.range_max = has_parameter ? *parameter : assumed_range_max;
-    if (!has_parameter) { source = RangeMaxSource::assumed; }
+    if (!(scan.beams.range_max > 0)) { scan.beams.range_max = *parameter; }
   }
-  return source;
-}
-
-void settle_range_max(const Gathered& gathered, std::optional<double> option, std::vector<Scan>& scans,
-                      LogReport& report) {
-  if (option) {
-    for (Scan& scan : scans) { scan.beams.range_max = *option; }
-    report.range_max_source = RangeMaxSource::option;
-    return;
-  }
-  report.range_max_source = declare_range_max(gathered, scans);
-  if (const auto no_return = piled_up_maximum(scans)) {
-    for (Scan& scan : scans) { scan.beams.range_max = std::min(scan.beams.range_max, *no_return); }
-    report.range_max_source = RangeMaxSource::detected;
-  }
-}
-
-/// All hits, longest first.
-std::vector<double> sorted_hits(const std::vector<Scan>& scans) {
-  std::vector<double> hits;
-  for (const Scan& scan : scans) {
-    std::copy_if(scan.ranges.begin(), scan.ranges.end(), std::back_inserter(hits),
-                 [&](double range) { return classify(range, scan.beams) == Reading::hit; });
-  }
-  std::sort(hits.begin(), hits.end(), std::greater<>());
-  return hits;
 }
 
 // --- Stamps ----------------------------------------------------------------------------------------------------------
 
-void describe_stamps(const Gathered& gathered, LogReport& report) {
-  const std::vector<ScanLine>& scans = gathered.scans;
-  report.stamps_constant = scans.size() > 1;
-  for (std::size_t i = 0; i < scans.size(); ++i) {
-    report.stamp_digits = std::max(report.stamp_digits, scans[i].stamp_digits);
-    if (i == 0) { continue; }
-    if (scans[i].stamp < scans[i - 1].stamp) { ++report.stamps_backwards; }
-    if (scans[i].stamp != scans[i - 1].stamp) { report.stamps_constant = false; }
-  }
+int most_digits(const std::vector<ScanLine>& lines) {
+  int digits = 0;
+  for (const ScanLine& line : lines) { digits = std::max(digits, line.stamp_digits); }
+  return digits;
 }
 
 }  // namespace
-
-std::optional<double> piled_up_maximum(const std::vector<Scan>& scans) {
-  double longest = 0;
-  std::size_t pile = 0;
-  std::size_t readings = 0;
-  for (const Scan& scan : scans) {
-    readings += scan.ranges.size();
-    for (const double range : scan.ranges) {
-      if (range < longest || classify(range, scan.beams) != Reading::hit) { continue; }
-      pile = range > longest ? 1 : pile + 1;
-      longest = range;
-    }
-  }
-  if (pile < 10 || 1000 * pile < readings) { return std::nullopt; }  // nearly all logs end here
-  const std::vector<double> hits = sorted_hits(scans);
-  std::size_t values = 0;
-  for (std::size_t i = pile; i < hits.size() && values < 100; ++values) {
-    const auto end = std::find_if(hits.begin() + static_cast<std::ptrdiff_t>(i), hits.end(),
-                                  [&](double range) { return range != hits[i]; });
-    const auto next = static_cast<std::size_t>(end - hits.begin());
-    if (10 * (next - i) > pile) { return std::nullopt; }
-    i = next;
-  }
-  return values >= 20 ? std::optional(longest) : std::nullopt;  // fewer: an artificial scene rather than a log
-}
 
 ScanLog assemble(Gathered gathered, std::optional<double> range_max, LogReport& report) {
   ScanLog log;
@@ -238,8 +180,10 @@ ScanLog assemble(Gathered gathered, std::optional<double> range_max, LogReport& 
     log.scans.push_back({.stamp = line.stamp, .beams = line.beams, .ranges = std::move(line.ranges)});
   }
   place(gathered, log, report);
-  settle_range_max(gathered, range_max, log.scans, report);
-  describe_stamps(gathered, report);
+  declare_range_max(gathered, log.scans);
+  report.range_max_source = settle_range_max(range_max, log.scans);
+  describe_stamps(log.scans, report);
+  report.stamp_digits = most_digits(gathered.scans);
   return log;
 }
 

@@ -31,8 +31,4 @@ struct Gathered {
 /// the report that tell about poses, ranges and stamps. O(readings).
 [[nodiscard]] ScanLog assemble(Gathered gathered, std::optional<double> range_max, LogReport& report);
 
-/// The value that stands for "no return" below the declared longest range, or nothing. O(readings), O(readings · log)
-/// when there is a candidate.
-[[nodiscard]] std::optional<double> piled_up_maximum(const std::vector<Scan>& scans);
-
 }  // namespace flirt::carmen

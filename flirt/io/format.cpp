@@ -4,6 +4,7 @@
 #include "flirt/io/carmen.hpp"
 #include "flirt/io/file.hpp"
 #include "flirt/io/log.hpp"
+#include "flirt/io/recording.hpp"
 #include "flirt/io/text.hpp"
 #include "flirt/io/tum.hpp"
 
@@ -23,6 +24,7 @@ bool is_of(std::string_view kind, std::initializer_list<std::string_view> kinds)
 }  // namespace
 
 Result<FileFormat> format_of(const std::filesystem::path& path) {
+  if (bag::is_recording(path)) { return FileFormat::ros; }
   std::error_code error;
   if (const auto status = std::filesystem::status(path, error); std::filesystem::exists(status) &&
                                                                 !std::filesystem::is_regular_file(status) &&
@@ -50,7 +52,7 @@ Result<FileFormat> format_of(const std::filesystem::path& path) {
     if (first.empty()) { first = kind; }
   }
   if (has_graph_lines) { return FileFormat::toro; }
-  return fail(path.string() + ": expected a CARMEN log, a TUM trajectory, or a graph (g2o, TORO), found " +
+  return fail(path.string() + ": expected a log (CARMEN, ROS), a TUM trajectory, or a graph (g2o, TORO), found " +
               (first.empty() ? std::string("an empty file") : "none of them, beginning with " + in_quotes(first)));
 }
 
@@ -76,7 +78,7 @@ Result<std::vector<StampedPose>> read_trajectory(const std::filesystem::path& pa
   const auto format = format_of(path);
   if (!format) { return tl::unexpected(format.error()); }
   if (*format == FileFormat::tum) { return read_tum(path); }
-  if (*format != FileFormat::carmen) {
+  if (*format != FileFormat::carmen && *format != FileFormat::ros) {
     return fail(path.string() + ": expected a TUM trajectory or a log with poses, found a graph, which has no stamps");
   }
   const auto loaded = read_log(path);

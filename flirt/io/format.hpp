@@ -16,11 +16,17 @@ namespace flirt {
 
 struct ScanLog;
 
-enum class FileFormat : std::uint8_t { carmen, tum, g2o, toro };
+enum class FileFormat : std::uint8_t {
+  carmen,
+  ros,  ///< a recording, which is read and never written
+  tum,
+  g2o,
+  toro,
+};
 constexpr auto enum_names(FileFormat /*tag*/) {
   using enum FileFormat;
-  return std::array<std::pair<FileFormat, std::string_view>, 4>{
-      {{carmen, "carmen"}, {tum, "tum"}, {g2o, "g2o"}, {toro, "toro"}}};
+  return std::array<std::pair<FileFormat, std::string_view>, 5>{
+      {{carmen, "carmen"}, {ros, "ros"}, {tum, "tum"}, {g2o, "g2o"}, {toro, "toro"}}};
 }
 
 /// By content: the first line that settles it. A log among whose scans there are VERTEX2 lines is a log.

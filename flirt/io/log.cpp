@@ -3,6 +3,8 @@
 #include "flirt/core/fields.hpp"
 #include "flirt/io/carmen.hpp"
 #include "flirt/io/file.hpp"
+#include "flirt/io/recording.hpp"
+#include "flirt/io/ros_log.hpp"
 #include "flirt/io/text.hpp"
 
 #include <utility>
@@ -23,7 +25,8 @@ Result<void> require_known_format(LineReader& lines) {
     if (first.empty()) { first = (*line)->text.substr(0, 60); }
   }
   const std::string found = first.empty() ? "an empty file" : "none, beginning with " + in_quotes(first);
-  return fail(lines.name() + ": expected lines of a CARMEN log, found " + found);
+  return fail(lines.name() +
+              ": expected a CARMEN log or a recording of ROS (.bag, .mcap, .db3 or the folder of one), found " + found);
 }
 
 std::string counted(std::size_t n, std::string_view what) {
@@ -34,12 +37,17 @@ std::string counted(std::size_t n, std::string_view what) {
 
 std::vector<std::string> observations(const LogReport& report) {
   std::vector<std::string> sentences;
-  if (report.broken_lines > 0) { sentences.push_back(counted(report.broken_lines, "broken line") + " skipped"); }
+  if (report.broken_lines > 0) {
+    sentences.push_back(counted(report.broken_lines, "broken " + std::string(report.unit)) + " skipped");
+  }
   if (report.odometry_repeats_pose) {
     sentences.emplace_back("the odometry fields repeat the corrected poses: there is no odometry");
   }
   if (report.poses == PoseSource::odometry) { sentences.emplace_back("the poses are odometry, not corrected"); }
   if (report.poses == PoseSource::none) { sentences.emplace_back("the log has no poses"); }
+  if (report.is_mounting_unknown) {
+    sentences.emplace_back("the recording does not say where the scanner sits on the robot: taken for its origin");
+  }
   if (report.stamps_constant) { sentences.emplace_back("all scans have the same stamp"); }
   if (report.stamps_backwards > 0) {
     sentences.push_back("stamps run backwards " + counted(report.stamps_backwards, "time") +
@@ -59,6 +67,7 @@ Result<LoadedLog> read_log(const std::filesystem::path& path, const ReadOptions&
   if (options.range_max && !(*options.range_max > 0)) {
     return fail("the longest range: expected more than 0 m, found " + std::to_string(*options.range_max));
   }
+  if (bag::is_recording(path)) { return read_ros_log(path, options, progress); }
   auto lines = LineReader::open(path);
   if (!lines) { return tl::unexpected(lines.error()); }
   lines->mark();

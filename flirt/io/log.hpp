@@ -18,9 +18,9 @@
 
 namespace flirt {
 
-/// What to do with a line of a known kind that cannot be read.
+/// What to do with a line or message of a known kind that cannot be read.
 enum class BrokenLines : std::uint8_t {
-  strict,   ///< an error with its line number
+  strict,   ///< an error with its number
   lenient,  ///< skipped and counted
 };
 
@@ -28,7 +28,7 @@ struct ReadOptions {
   BrokenLines broken_lines{BrokenLines::strict};
   std::optional<double>
       range_max{};        ///< m, > 0; readings of this length or more are no return; else found from the log
-  std::string message{};  ///< kind of scan lines to read, as "RAWLASER1"; empty: the first that appears
+  std::string message{};  ///< scans to read: a kind of lines, as "RAWLASER1", or a topic; empty: the first that appears
 };
 
 /// What the poses of a log are.
@@ -59,13 +59,15 @@ enum class RangeMaxSource : std::uint8_t {
                     std::pair{RangeMaxSource::detected, std::string_view("detected")}};
 }
 
-/// Lines by their kind: the first word, "#" for comments, "(unreadable)" for what is no word.
+/// Lines by their kind: the first word, "#" for comments, "(unreadable)" for what is no word. Of a recording messages
+/// by their topic.
 using LineCounts = std::map<std::string, std::size_t, std::less<>>;
 
 /// What was read, what was skipped, and what is odd about the log.
 struct LogReport {
-  std::string format{};   ///< "CARMEN"
-  std::string message{};  ///< kind of the scan lines that were read
+  std::string format{};           ///< "CARMEN"
+  std::string message{};          ///< kind of the scan lines, or topic of the scans, that were read
+  std::string_view unit{"line"};  ///< what the counts below count: "line" or "message"
   bool is_gzip{false};
   std::size_t lines{0};
   LineCounts lines_used{};
@@ -73,6 +75,7 @@ struct LogReport {
   std::size_t broken_lines{0};                 ///< skipped because they cannot be read (lenient)
   std::vector<std::string> broken_messages{};  ///< of the first few of them
   PoseSource poses{PoseSource::none};
+  bool is_mounting_unknown{false};    ///< the recording does not say where the scanner sits: at the robot's origin
   bool odometry_repeats_pose{false};  ///< the log's odometry fields repeat its corrected poses: they were not used
   RangeMaxSource range_max_source{RangeMaxSource::assumed};
   std::size_t stamps_backwards{0};  ///< scans stamped earlier than the scan before
@@ -88,8 +91,9 @@ struct LoadedLog {
   LogReport report{};
 };
 
-/// Reads a log, plain or gzip; the format is told from the content. Formats: CARMEN (see flirt/io/carmen.hpp).
-/// Errors name the file and, where there is one, the line. O(bytes); memory is that of the scans.
+/// Reads a log; the format is told from the content. Formats: CARMEN, plain or gzip (see flirt/io/carmen.hpp), and
+/// recordings of ROS (see flirt/io/ros_log.hpp). Errors name the file and, where there is one, the line or message.
+/// O(bytes); memory is that of the scans.
 [[nodiscard]] Result<LoadedLog> read_log(const std::filesystem::path& path, const ReadOptions& options = {},
                                          const Progress& progress = {});
 

@@ -117,9 +117,10 @@ TEST(Carmen, ReadsScansOfAnySize) {
 }
 
 TEST(Carmen, RefusesWhatIsNoLog) {
-  EXPECT_THAT(error_of(""), HasSubstr("test.log: expected lines of a CARMEN log, found an empty file"));
+  EXPECT_THAT(error_of(""), HasSubstr("test.log: expected a CARMEN log or a recording of ROS (.bag, .mcap, .db3 or the "
+                                      "folder of one), found an empty file"));
   EXPECT_THAT(error_of("hello\nworld\n"), HasSubstr("found none, beginning with 'hello'"));
-  EXPECT_THAT(error_of("# FLASER is only named here\n"), HasSubstr("expected lines of a CARMEN log"));
+  EXPECT_THAT(error_of("# FLASER is only named here\n"), HasSubstr("expected a CARMEN log or"));
   EXPECT_THAT(error_of("ODOM 0 0 0 0 0 0 1 host 1\n"),
               HasSubstr("expected scan lines (FLASER, ROBOTLASER1, RAWLASER1), found none; the log holds ODOM (1)"));
   const TemporaryFolder folder;

@@ -1,0 +1,78 @@
+#include "flirt/io/log_oddities.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <iterator>
+
+namespace flirt {
+namespace {
+
+constexpr double assumed_range_max = 50.0;  // m
+
+/// All hits, longest first.
+std::vector<double> sorted_hits(const std::vector<Scan>& scans) {
+  std::vector<double> hits;
+  for (const Scan& scan : scans) {
+    std::copy_if(scan.ranges.begin(), scan.ranges.end(), std::back_inserter(hits),
+                 [&](double range) { return classify(range, scan.beams) == Reading::hit; });
+  }
+  std::sort(hits.begin(), hits.end(), std::greater<>());
+  return hits;
+}
+
+/// The value that stands for "no return" below the declared longest range, or nothing.
+std::optional<double> piled_up_maximum(const std::vector<Scan>& scans) {
+  double longest = 0;
+  std::size_t pile = 0;
+  std::size_t readings = 0;
+  for (const Scan& scan : scans) {
+    readings += scan.ranges.size();
+    for (const double range : scan.ranges) {
+      if (range < longest || classify(range, scan.beams) != Reading::hit) { continue; }
+      pile = range > longest ? 1 : pile + 1;
+      longest = range;
+    }
+  }
+  if (pile < 10 || 1000 * pile < readings) { return std::nullopt; }  // nearly all logs end here
+  const std::vector<double> hits = sorted_hits(scans);
+  std::size_t values = 0;
+  for (std::size_t i = pile; i < hits.size() && values < 100; ++values) {
+    const auto end = std::find_if(hits.begin() + static_cast<std::ptrdiff_t>(i), hits.end(),
+                                  [&](double range) { return range != hits[i]; });
+    const auto next = static_cast<std::size_t>(end - hits.begin());
+    if (10 * (next - i) > pile) { return std::nullopt; }
+    i = next;
+  }
+  return values >= 20 ? std::optional(longest) : std::nullopt;  // fewer: an artificial scene rather than a log
+}
+
+}  // namespace
+
+RangeMaxSource settle_range_max(std::optional<double> option, std::vector<Scan>& scans) {
+  if (option) {
+    for (Scan& scan : scans) { scan.beams.range_max = *option; }
+    return RangeMaxSource::option;
+  }
+  RangeMaxSource source = RangeMaxSource::declared;
+  for (Scan& scan : scans) {
+    if (scan.beams.range_max > 0) { continue; }
+    scan.beams.range_max = assumed_range_max;
+    source = RangeMaxSource::assumed;
+  }
+  if (const auto no_return = piled_up_maximum(scans)) {
+    for (Scan& scan : scans) { scan.beams.range_max = std::min(scan.beams.range_max, *no_return); }
+    source = RangeMaxSource::detected;
+  }
+  return source;
+}
+
+void describe_stamps(const std::vector<Scan>& scans, LogReport& report) {
+  report.stamps_constant = scans.size() > 1;
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    if (scans[i].stamp < scans[i - 1].stamp) { ++report.stamps_backwards; }
+    if (scans[i].stamp != scans[i - 1].stamp) { report.stamps_constant = false; }
+  }
+}
+
+}  // namespace flirt
