@@ -7,6 +7,7 @@
 #include "flirt/io/tum.hpp"
 
 #include "apps/flirt/command.hpp"
+#include "apps/flirt/reading_flags.hpp"
 
 #include <fmt/format.h>
 
@@ -24,7 +25,7 @@ struct ConvertOptions {
   std::string in;
   std::string out;
   std::string to;
-  std::string message;
+  ReadingFlags reading{};
 };
 
 /// All that a file of any format may hold.
@@ -47,8 +48,7 @@ void lose_lines(Content& content, const LineCounts& skipped, std::string_view un
 }
 
 void read_scans(const ConvertOptions& options, const Session& session, Content& content) {
-  LoadedLog loaded =
-      value_or_quit(read_log(options.in, {.message = options.message}, progress_bar(session, "reading")));
+  LoadedLog loaded = value_or_quit(read_log(options.in, options.reading.options(), progress_bar(session, "reading")));
   LineCounts skipped = loaded.report.lines_skipped;
   if (skipped.contains("EDGE2") && skipped.contains("VERTEX2")) {
     content.graph = value_or_quit(read_toro_graph(options.in));
@@ -58,12 +58,17 @@ void read_scans(const ConvertOptions& options, const Session& session, Content& 
   content.trajectory = trajectory_of(loaded.log);
   content.log = std::move(loaded.log);
   lose_lines(content, skipped, loaded.report.unit);
+  lose(content, loaded.report.broken_lines > 0,
+       fmt::format("{}s that are broken: {}", loaded.report.unit, loaded.report.broken_lines));
 }
 
 Content read(const ConvertOptions& options, const Session& session) {
   Content content{.format = value_or_quit(format_of(options.in))};
   const bool is_log = content.format == FileFormat::carmen || content.format == FileFormat::ros;
-  if (!options.message.empty() && !is_log) { throw UsageError("--message: expected a log, found another file"); }
+  if (!is_log && options.reading.are_given()) {
+    throw UsageError("--lenient, --message, --range-max: expected a log, found a " +
+                     std::string(to_string(content.format)) + " file");
+  }
   switch (content.format) {
     case FileFormat::carmen:
     case FileFormat::ros:
@@ -226,7 +231,7 @@ void add_convert(CLI::App& program, Session& session) {
   command->add_option("OUT", options->out, "file to write: .log, .clf, .carmen; .tum; .g2o; .graph, .toro")->required();
   command->add_option("--to", options->to, "format to write, whatever the name: carmen, tum, g2o, toro")
       ->check(CLI::IsMember({"carmen", "tum", "g2o", "toro"}));
-  command->add_option("--message", options->message, "scans to read from a log of several scanners, as /scan_front");
+  options->reading.add_to(*command);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

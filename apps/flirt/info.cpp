@@ -4,6 +4,7 @@
 #include "flirt/io/log_summary.hpp"
 
 #include "apps/flirt/command.hpp"
+#include "apps/flirt/reading_flags.hpp"
 
 #include <fmt/format.h>
 
@@ -16,16 +17,7 @@ namespace {
 
 struct InfoOptions {
   std::string log;
-  bool is_lenient{false};
-  std::string message;
-  double range_max{0};  ///< m; 0: from the log
-
-  [[nodiscard]] ReadOptions reading() const {
-    ReadOptions options{.message = message};
-    if (is_lenient) { options.broken_lines = BrokenLines::lenient; }
-    if (range_max > 0) { options.range_max = range_max; }
-    return options;
-  }
+  ReadingFlags reading{};
 };
 
 // --- Text ------------------------------------------------------------------------------------------------------------
@@ -165,7 +157,8 @@ nlohmann::ordered_json as_json(const InfoOptions& options, const LoadedLog& load
 
 int run(const Session& session, const InfoOptions& options) {
   ParamFlags().resolve(session.config);  // no key of a file is known here
-  const LoadedLog loaded = value_or_quit(read_log(options.log, options.reading(), progress_bar(session, "reading")));
+  const LoadedLog loaded =
+      value_or_quit(read_log(options.log, options.reading.options(), progress_bar(session, "reading")));
   const LogSummary summary = summarize(loaded.log);
   if (session.talks()) { print_text(options, loaded, summary); }
   write_json(session, as_json(options, loaded, summary));
@@ -180,14 +173,7 @@ void add_info(CLI::App& program, Session& session) {
       add_command(program, session, "info", "What a log holds: scans, angles, ranges, stamps, poses, oddities.",
                   "flirt info run.log.gz --json info.json");
   command->add_option("LOG", options->log, "log: CARMEN, plain or gzip, or a recording of ROS")->required();
-  command->add_flag("--lenient", options->is_lenient,
-                    "skip and count broken lines or messages instead of stopping at the first");
-  command->add_option("--message", options->message,
-                      "scans to read: a kind of lines, as RAWLASER1, or a topic; else the first that appears");
-  command
-      ->add_option("--range-max", options->range_max,
-                   "m; readings of this length or more are no return; else from the log")
-      ->check(CLI::PositiveNumber);
+  options->reading.add_to(*command);
   session.on(command, [&session, options] { return run(session, *options); });
 }
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace flirt::bag {
@@ -24,6 +25,16 @@ struct Message {
   Serialization serialization{};       ///< of `bytes`
   std::span<const std::byte> bytes{};  ///< valid during the call alone
 };
+
+/// "sensor_msgs/LaserScan" from "sensor_msgs/msg/LaserScan"; other names as they are.
+[[nodiscard]] inline std::string plain_type(std::string_view name) {
+  constexpr std::string_view infix = "/msg/";
+  std::string type(name);
+  if (const std::size_t place = type.find(infix); place != std::string::npos) {
+    type.replace(place, infix.size(), "/");
+  }
+  return type;
+}
 
 /// Takes the messages one after the other; an error ends the reading and is passed on.
 using Sink = std::function<Result<void>(const Message&)>;

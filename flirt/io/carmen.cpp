@@ -2,6 +2,7 @@
 
 #include "flirt/io/carmen_assembly.hpp"
 #include "flirt/io/carmen_lines.hpp"
+#include "flirt/io/log_oddities.hpp"
 #include "flirt/io/text.hpp"
 
 #include <algorithm>
@@ -15,7 +16,6 @@ namespace {
 using carmen::Gathered;
 using carmen::Layout;
 
-constexpr std::size_t most_messages = 5;       // of broken lines that are kept
 constexpr std::size_t most_kinds = 200;        // that are counted by name
 constexpr std::size_t longest_kind = 32;       // characters
 constexpr std::size_t lines_per_report = 256;  // between two calls of `progress`
@@ -94,14 +94,6 @@ Result<Use> take(Gathered& gathered, std::string_view kind, std::string_view fie
   if (kind == "PARAM") { return take_parameter(gathered, fields); }
   if (kind == "VERTEX2" || kind == "NEFF") { gathered.is_corrected = true; }
   return Use::skipped;
-}
-
-/// Counts a line that cannot be read, or gives the error when that is not allowed.
-Result<void> reject(LogReport& report, const ReadOptions& options, std::string message) {
-  if (options.broken_lines == BrokenLines::strict) { return fail(std::move(message)); }
-  ++report.broken_lines;
-  if (report.broken_messages.size() < most_messages) { report.broken_messages.push_back(std::move(message)); }
-  return {};
 }
 
 Result<void> take_line(Gathered& gathered, LogReport& report, const ReadOptions& options, const Line& line,

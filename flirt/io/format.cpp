@@ -59,6 +59,7 @@ Result<FileFormat> format_of(const std::filesystem::path& path) {
 std::optional<FileFormat> format_by_name(const std::filesystem::path& path) {
   const std::string end = path.extension().string();
   if (is_of(end, {".log", ".clf", ".carmen"})) { return FileFormat::carmen; }
+  if (is_of(end, {".bag", ".mcap", ".db3"})) { return FileFormat::ros; }
   if (end == ".tum") { return FileFormat::tum; }
   if (end == ".g2o") { return FileFormat::g2o; }
   if (is_of(end, {".graph", ".toro"})) { return FileFormat::toro; }

@@ -33,7 +33,7 @@ constexpr auto enum_names(FileFormat /*tag*/) {
 /// Errors: no such file, none of these formats.
 [[nodiscard]] Result<FileFormat> format_of(const std::filesystem::path& path);
 
-/// By the end of the name: .log, .clf, .carmen; .tum; .g2o; .graph, .toro. Nothing for others.
+/// By the end of the name: .log, .clf, .carmen; .bag, .mcap, .db3; .tum; .g2o; .graph, .toro. Nothing for others.
 [[nodiscard]] std::optional<FileFormat> format_by_name(const std::filesystem::path& path);
 
 /// Stamps of the scans and the poses that the log states. Needs a log with poses.

@@ -8,20 +8,31 @@
 namespace flirt::ros {
 
 void PosesOverTime::add(double stamp, const Eigen::Isometry3d& pose) {
-  is_constant_ = is_constant_ && (samples_.empty() || pose.matrix() == samples_.front().pose.matrix());
-  samples_.push_back({stamp, pose});
+  const std::size_t count = samples_.size();
+  const auto is_same = [&](const Sample& sample) { return sample.pose.matrix() == pose.matrix(); };
+  if (count >= 2 && is_same(samples_[count - 1]) && is_same(samples_[count - 2]) && stamp >= samples_.back().stamp) {
+    samples_.back().stamp = stamp;
+  } else {
+    samples_.push_back({stamp, pose});
+  }
 }
 
 void PosesOverTime::sort() {
   std::ranges::stable_sort(samples_, {}, &Sample::stamp);
 }
 
+bool PosesOverTime::is_constant() const {
+  return std::ranges::all_of(
+      samples_, [&](const Sample& sample) { return sample.pose.matrix() == samples_.front().pose.matrix(); });
+}
+
 Eigen::Isometry3d PosesOverTime::at(double stamp) const {
   FLIRT_ASSERT(!samples_.empty());
   const auto after = std::ranges::lower_bound(samples_, stamp, {}, &Sample::stamp);
-  if (is_constant_ || after == samples_.begin()) { return samples_.front().pose; }
+  if (after == samples_.begin()) { return samples_.front().pose; }
   if (after == samples_.end()) { return samples_.back().pose; }
   const Sample& before = *(after - 1);
+  if (before.pose.matrix() == after->pose.matrix()) { return before.pose; }
   const double share = (stamp - before.stamp) / (after->stamp - before.stamp);
   const Eigen::Quaterniond rotation =
       Eigen::Quaterniond(before.pose.rotation()).slerp(share, Eigen::Quaterniond(after->pose.rotation()));
@@ -32,7 +43,7 @@ Eigen::Isometry3d PosesOverTime::at(double stamp) const {
 bool PosesOverTime::covers(double stamp) const {
   if (samples_.empty()) { return false; }
   constexpr double reach = 1.0;  // s
-  return is_constant_ || (stamp >= samples_.front().stamp - reach && stamp <= samples_.back().stamp + reach);
+  return is_constant() || (stamp >= samples_.front().stamp - reach && stamp <= samples_.back().stamp + reach);
 }
 
 void Frames::add(const Transform& transform) {

@@ -8,12 +8,11 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace flirt::ros {
 
-/// Poses of one frame in its parent, over time.
+/// Poses of one frame in its parent, over time; a pose that stays is kept with its first and last stamp alone.
 class PosesOverTime {
  public:
   void add(double stamp, const Eigen::Isometry3d& pose);
@@ -31,8 +30,8 @@ class PosesOverTime {
     double stamp;
     Eigen::Isometry3d pose;
   };
+  [[nodiscard]] bool is_constant() const;
   std::vector<Sample> samples_;
-  bool is_constant_{true};
 };
 
 /// All transforms of a recording. A frame has one parent: the first that was stated.

@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <functional>
 #include <iterator>
+#include <utility>
 
 namespace flirt {
 namespace {
 
 constexpr double assumed_range_max = 50.0;  // m
+constexpr std::size_t most_complaints = 5;  // that are kept
 
 /// All hits, longest first.
 std::vector<double> sorted_hits(const std::vector<Scan>& scans) {
@@ -65,6 +67,13 @@ RangeMaxSource settle_range_max(std::optional<double> option, std::vector<Scan>&
     source = RangeMaxSource::detected;
   }
   return source;
+}
+
+Result<void> reject(LogReport& report, const ReadOptions& options, std::string complaint) {
+  if (options.broken_lines == BrokenLines::strict) { return fail(std::move(complaint)); }
+  ++report.broken_lines;
+  if (report.broken_messages.size() < most_complaints) { report.broken_messages.push_back(std::move(complaint)); }
+  return {};
 }
 
 void describe_stamps(const std::vector<Scan>& scans, LogReport& report) {

@@ -2,7 +2,6 @@
 
 #include "flirt/io/byte_reader.hpp"
 #include "flirt/io/decompress.hpp"
-#include "flirt/io/message_type.hpp"
 
 #include <zlib.h>
 

@@ -19,7 +19,6 @@ namespace {
 using ros::Frames;
 
 constexpr double most_tilt = 15.0 * std::numbers::pi / 180.0;  // rad
-constexpr std::size_t messages_kept = 5;                       // of broken messages
 
 /// What the messages said, in file order; what it means is only known at their end.
 class Gathered {
@@ -38,14 +37,7 @@ class Gathered {
       return {};
     }
     const std::string where = name_ + ": message " + std::to_string(report_.lines) + ", " + topic + ": ";
-    return complain(where + understood.error().message);
-  }
-
-  /// An error, or, if broken messages are to be skipped, one more of them.
-  Result<void> complain(const std::string& complaint) {
-    if (options_.broken_lines == BrokenLines::strict) { return fail(complaint); }
-    if (report_.broken_lines++ < messages_kept) { report_.broken_messages.push_back(complaint); }
-    return {};
+    return reject(report_, options_, where + understood.error().message);
   }
 
   std::vector<ros::LaserScan> scans{};
@@ -123,11 +115,14 @@ Roles roles_of(const Gathered& gathered, const std::string& sensor) {
   return roles;
 }
 
-/// Puts the sensor where it sits. Nothing when it looks up or down.
-std::optional<double> mount(const Eigen::Isometry3d& robot_from_sensor, Scan& scan) {
+/// Puts the sensor where it sits.
+Result<void> mount(const Eigen::Isometry3d& robot_from_sensor, Scan& scan) {
   const double upward = robot_from_sensor.rotation()(2, 2);
   const double tilt = std::acos(std::min(1.0, std::abs(upward)));
-  if (tilt > most_tilt) { return tilt; }
+  if (tilt > most_tilt) {
+    return fail("expected a level scanner, found one tilted by " +
+                std::to_string(std::lround(tilt * 180.0 / std::numbers::pi)) + " degrees");
+  }
   Eigen::Isometry3d robot_from_beams = robot_from_sensor;
   if (upward < 0) {
     robot_from_beams.rotate(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
@@ -135,7 +130,7 @@ std::optional<double> mount(const Eigen::Isometry3d& robot_from_sensor, Scan& sc
     scan.beams.angle_step = -scan.beams.angle_step;
   }
   scan.robot_from_sensor = ros::planar(robot_from_beams);
-  return std::nullopt;
+  return {};
 }
 
 std::optional<Pose2> odometry_at(const Gathered& gathered, const Roles& roles, double stamp) {
@@ -161,10 +156,7 @@ Result<ScanLog> place(Gathered& gathered, LogReport& report) {
     if (!robot_from_sensor) {
       return fail("expected scans of one scanner, found the frames " + sensor + " and " + from.frame);
     }
-    if (const auto tilt = mount(*robot_from_sensor, scan)) {
-      return fail("expected a level scanner, found one tilted by " +
-                  std::to_string(std::lround(*tilt * 180.0 / std::numbers::pi)) + " degrees");
-    }
+    if (auto level = mount(*robot_from_sensor, scan); !level) { return tl::unexpected(level.error()); }
     scan.odom_from_robot = odometry_at(gathered, roles, scan.stamp);
     if (scan.odom_from_robot) { odom_from_robot.push_back(*scan.odom_from_robot); }
     if (!roles.map.empty()) {
@@ -212,7 +204,7 @@ Result<LoadedLog> read_ros_log(const std::filesystem::path& path, const ReadOpti
   const auto format =
       bag::read_recording(path, [&](const bag::Message& message) { return gathered.add(message); }, progress);
   if (!format) {
-    if (auto good = gathered.complain(format.error().message); !good) { return tl::unexpected(good.error()); }
+    if (auto good = reject(report, options, format.error().message); !good) { return tl::unexpected(good.error()); }
   }
   report.format = format.value_or("ROS recording");
   report.unit = "message";

@@ -10,7 +10,8 @@
 //  - odometry is the robot in odom, else the first nav_msgs/Odometry topic; at the stamp of a scan, interpolated; a
 //  scan
 //    more than a second before its beginning or after its end has none;
-//  - the poses of the log are the robot in map, where there is one, else the odometry if all scans have it.
+//  - the poses of the log are the robot in map, where there is one (before its first and after its last pose of odom,
+//    that one), else the odometry if all scans have it.
 // Poses are those of the plane. A scanner mounted upside down has its beams reversed, so that frames see it from above.
 #pragma once
 

@@ -2,7 +2,6 @@
 
 #include "flirt/io/byte_reader.hpp"
 #include "flirt/io/file.hpp"
-#include "flirt/io/message_type.hpp"
 #include "flirt/io/recording_file.hpp"
 
 #include <sqlite3.h>

@@ -150,6 +150,23 @@ class Recording(unittest.TestCase):
         self.assertRegex(flirt("info", cut, code=2).stderr, r"cut\.mcap: at byte \d+: expected")
         self.assertIn("1 broken message skipped", flirt("info", cut, "--lenient").stdout)
 
+    def test_convert_saves_what_is_whole_of_a_cut_recording(self):
+        cut = self.path / "died.mcap"
+        cut.write_bytes(self.recording.read_bytes()[:100_000])
+        saved = self.path / "saved.log"
+        flirt("convert", cut, saved, code=2)
+        self.assertFalse(saved.exists())
+        self.assertIn("messages that are broken: 1", flirt("convert", cut, saved, "--lenient").stdout)
+        self.assertGreater(self.info(saved)["scans"], 10)
+        self.assertLess(self.info(saved)["scans"], self.count)
+
+    def test_convert_refuses_what_would_do_nothing(self):
+        self.assertIn("read, never written", flirt("convert", self.log, self.path / "x.mcap", code=1).stderr)
+        self.assertFalse((self.path / "x.mcap").exists())
+        flirt("convert", self.log, self.path / "poses.tum")
+        refused = flirt("convert", self.path / "poses.tum", self.path / "x.g2o", "--lenient", code=1)
+        self.assertIn("expected a log, found a tum file", refused.stderr)
+
 
 if __name__ == "__main__":
     FLIRT = sys.argv.pop(1)

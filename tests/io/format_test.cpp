@@ -36,6 +36,7 @@ TEST(FormatByName, LooksBeforeTheEndOfGzip) {
   EXPECT_EQ(format_by_name("x/a.log"), FileFormat::carmen);
   EXPECT_EQ(format_by_name("x/a.log.gz"), std::nullopt) << "files are written plain";
   EXPECT_EQ(format_by_name("a.clf"), FileFormat::carmen);
+  EXPECT_EQ(format_by_name("a.mcap"), FileFormat::ros);
   EXPECT_EQ(format_by_name("a.tum"), FileFormat::tum);
   EXPECT_EQ(format_by_name("a.g2o"), FileFormat::g2o);
   EXPECT_EQ(format_by_name("a.graph"), FileFormat::toro);

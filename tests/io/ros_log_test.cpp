@@ -110,6 +110,19 @@ TEST(RosLog, OdometryOfTransformsIsInterpolated) {
   expect_near(loaded.log.map_from_robot.at(0), {1.5, 2, 0.6});
 }
 
+TEST(RosLog, ARobotThatStoodMovesWhenItDid) {
+  Recording recording;
+  recording.transform(0.0, "base", "laser", in_space({0.3, 0.1, 1.0}));
+  for (const double stamp : {0.0, 1.0, 2.0, 3.0}) { recording.transform(stamp, "odom", "base", in_space({1, 2, 0.5})); }
+  recording.transform(4.0, "odom", "base", in_space({2, 2, 0.5}));
+  for (const double stamp : {1.5, 3.0, 3.25}) { recording.scan(stamp); }
+  const LoadedLog loaded = recording.read().value();
+  expect_near(*loaded.log.scans[0].odom_from_robot, {1, 2, 0.5});
+  expect_near(*loaded.log.scans[1].odom_from_robot, {1, 2, 0.5});
+  expect_near(*loaded.log.scans[2].odom_from_robot, {1.25, 2, 0.5});
+  EXPECT_EQ(loaded.log.scans[0].robot_from_sensor, loaded.log.scans[2].robot_from_sensor);
+}
+
 TEST(RosLog, TransformsGoBeforeOdometryMessages) {
   Recording recording;
   recording.transform(0.0, "base", "laser", in_space({}));
