@@ -184,15 +184,15 @@ void add_size(const Tiling& tiling, std::size_t size, const SpeedOptions& option
 }
 
 svg::Figure growth_with_scans(const nlohmann::ordered_json& rows) {
-  constexpr std::array<std::string_view, 2> methods{"exact", "words"};
+  constexpr std::array<std::string_view, 2> series_names{"exact", "words"};
   svg::Chart time{.title = "Time of a query",
                   .x = {.label = "map scans", .scale = svg::AxisScale::logarithmic},
                   .y = {.label = "median (ms)", .scale = svg::AxisScale::logarithmic}};
   svg::Chart right{.title = "Right answers",
                    .x = {.label = "map scans", .scale = svg::AxisScale::logarithmic},
                    .y = {.label = "share", .low = 0.0, .high = 1.0}};
-  for (std::size_t i = 0; i < methods.size(); ++i) {
-    svg::Series times{.legend = std::string(methods[i]), .style = svg::series_style(i)};
+  for (std::size_t i = 0; i < series_names.size(); ++i) {
+    svg::Series times{.legend = std::string(series_names[i]), .style = svg::series_style(i)};
     svg::Series shares = times;
     for (const auto& row : rows) {
       if (row["method"] != times.legend) { continue; }
