@@ -1,9 +1,7 @@
 # flirt_options: language level and warnings of every target of this project.
 add_library(flirt_options INTERFACE)
 target_compile_features(flirt_options INTERFACE cxx_std_20)
-target_compile_options(flirt_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Werror)
-# Files compiled as one see each other's constants, which shadow nothing when each file is its own.
-target_compile_options(flirt_options INTERFACE $<$<NOT:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>>:-Wshadow>)
+target_compile_options(flirt_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
 target_compile_options(flirt_options INTERFACE $<$<AND:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>,$<CXX_COMPILER_ID:GNU>>:-Wno-subobject-linkage>)
 # GCC 12 sees overlaps in `"text" + string` that aren't there (its bug 105651).
 target_compile_options(flirt_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)

@@ -3,8 +3,7 @@
 
 usage: scripts/run_tidy.py BUILD_DIR [FILE...]
 
-With a build that compiles several sources as one (preset `tidy`), in less than half the time: headers are read once for all
-of them. With `dev` one source at a time.
+Sources that the build compiles as one are looked at as one: headers are read once for all of them.
 
 A source that passed is not looked at again until it, a header of this project that it includes, its compile command,
 .clang-tidy or the linter changes: BUILD_DIR/tidy-passed holds one empty file per source that passed, named by a hash of

@@ -11,8 +11,6 @@
 namespace flirt {
 namespace {
 
-constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
-
 std::string decimals(double value, int count) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(count) << value;
@@ -137,7 +135,7 @@ void add_log(const LocalizationBench& paper, const LocalizationBench& revisit, d
     result.answers.push_back(answer.answered ? 1 : 0);
   }
   for (const LocalizationAnswer& answer : revisit.answers) {
-    result.revisited.push_back(answer.answerable ? (answer.correct ? 1 : 0) : no_value);
+    result.revisited.push_back(answer.answerable ? (answer.correct ? 1 : 0) : std::numeric_limits<double>::quiet_NaN());
   }
   for (const StrategyCurve& curve : paper.strategies) {
     if (curve.strategy == PickBy::residual) { result.p_cl += share * curve.p_cl(); }

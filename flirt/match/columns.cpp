@@ -6,13 +6,13 @@
 namespace flirt {
 namespace {
 
-constexpr double farthest = 1e6;  ///< m, beyond any sensor
+constexpr double farthest_keypoint = 1e6;  ///< m, beyond any sensor
 
 }  // namespace
 
 bool is_usable(const Pose2& sensor_from_keypoint) {
-  return is_finite(sensor_from_keypoint) && std::abs(sensor_from_keypoint.x) < farthest &&
-         std::abs(sensor_from_keypoint.y) < farthest;
+  return is_finite(sensor_from_keypoint) && std::abs(sensor_from_keypoint.x) < farthest_keypoint &&
+         std::abs(sensor_from_keypoint.y) < farthest_keypoint;
 }
 
 KeypointTable table_of(std::span<const Keypoint> keypoints) {

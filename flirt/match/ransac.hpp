@@ -61,15 +61,14 @@ struct RansacParams {
 template <class Params, class Visitor>
   requires std::same_as<std::remove_const_t<Params>, RansacParams>
 void visit_fields(Params& params, Visitor&& visit) {
-  constexpr double pi = std::numbers::pi;
   visit(params.inlier_distance, Field{"inlier_distance", "m", "sigma of a keypoint's position", 1e-6, 1e3});
   visit(params.inlier_probability, Field{"inlier_probability", "1", "random: share of right candidates", 1e-3, 1.0});
   visit(params.success_probability,
         Field{"success_probability", "1", "random: chance of drawing one right pair", 0.0, 0.999999});
   visit(params.sampling, Field{"sampling", "", "how pairs of candidates are chosen as hypotheses"});
   visit(params.max_samples, Field{"max_samples", "", "exhaustive: pairs looked at, at most", 1.0, 1e9});
-  visit(params.max_turn_difference,
-        Field{"max_turn_difference", "rad", "between the turn of a sample and of its keypoints", 0.0, pi});
+  visit(params.max_turn_difference, Field{"max_turn_difference", "rad",
+                                          "between the turn of a sample and of its keypoints", 0.0, std::numbers::pi});
   visit(params.inlier_rule, Field{"inlier_rule", "", "what supports a hypothesis"});
   visit(params.min_inliers, Field{"min_inliers", "", "fewer are no alignment", 2.0, 1e6});
   visit(params.keypoint_deviation,

@@ -277,8 +277,10 @@ Bounds bounds_near(const Query& query, const MapFields& fields, std::span<const 
     for (const Pose2& place : places) {
       // Columns and rows of pairs that the place's square touches.
       const double reach = params.near_distance;
-      const auto first = [](double from, double side) { return std::max(0.0, std::floor(from / side)); };
-      const auto last = [](double to, double side, double count) { return std::min(count - 1, std::floor(to / side)); };
+      const auto first = [](double from, double width) { return std::max(0.0, std::floor(from / width)); };
+      const auto last = [](double to, double width, double count) {
+        return std::min(count - 1, std::floor(to / width));
+      };
       const double x0 = first(place.x - reach - corner.x, pair_x);
       const double x1 = last(place.x + reach - corner.x, pair_x, CoarseField::panel_columns);
       const double y0 = first(place.y - reach - corner.y, pair_y);

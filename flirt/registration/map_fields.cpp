@@ -10,8 +10,6 @@
 namespace flirt {
 namespace {
 
-constexpr std::int32_t tile_side = MapTile::side;
-
 /// The marks of all tiles of the grid over its box, in rows; null where nothing was seen.
 struct MarkTable {
   CellIndex first;
@@ -24,9 +22,9 @@ struct MarkTable {
 
 MarkTable mark_table(const EvidenceGrid& grid, const CellBox& box) {
   MarkTable table;
-  table.first = {box.min.x / tile_side, box.min.y / tile_side};  // a box of whole tiles
-  table.tiles.width = static_cast<std::int32_t>(box.width()) / tile_side;
-  table.tiles.height = static_cast<std::int32_t>(box.height()) / tile_side;
+  table.first = {box.min.x / MapTile::side, box.min.y / MapTile::side};  // a box of whole tiles
+  table.tiles.width = static_cast<std::int32_t>(box.width()) / MapTile::side;
+  table.tiles.height = static_cast<std::int32_t>(box.height()) / MapTile::side;
   table.tiles.cells.resize(static_cast<std::size_t>(table.tiles.width) * static_cast<std::size_t>(table.tiles.height));
   grid.for_each_tile([&](CellIndex tile, std::span<const EvidenceCell> cells) {
     table.tiles.at(tile.x - table.first.x, tile.y - table.first.y) = std::make_unique<const TileMarks>(cells);
@@ -80,9 +78,9 @@ MapFields empty_fields(const EvidenceGrid& grid, const MapFieldParams& params) {
   const auto box = grid.bounds();
   if (!box || !is_mappable(*box)) { return fields; }
   fields.origin = {box->min.x * fields.cell_size, box->min.y * fields.cell_size};
-  fields.first_tile = {box->min.x / tile_side, box->min.y / tile_side};
-  fields.columns = static_cast<std::int32_t>(box->width()) / tile_side;
-  fields.rows = static_cast<std::int32_t>(box->height()) / tile_side;
+  fields.first_tile = {box->min.x / MapTile::side, box->min.y / MapTile::side};
+  fields.columns = static_cast<std::int32_t>(box->width()) / MapTile::side;
+  fields.rows = static_cast<std::int32_t>(box->height()) / MapTile::side;
   fields.tiles.resize(static_cast<std::size_t>(fields.columns) * static_cast<std::size_t>(fields.rows));
   return fields;
 }

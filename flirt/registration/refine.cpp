@@ -40,7 +40,7 @@ NormalEquations normal_equations(const MapFields& fields, const ScanPoints& poin
   const auto y0 = static_cast<float>(origin_from_sensor.y);
   const auto per_metre = static_cast<float>(1.0 / fields.cell_size);
   const auto inverse_squared_width = static_cast<float>(1.0 / (width * width));
-  const auto tile_side = static_cast<float>(MapTile::side * fields.cell_size);
+  const auto tile_width = static_cast<float>(MapTile::side * fields.cell_size);
   NormalEquations sum;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float lever_x = c * points.x[i] - s * points.y[i];
@@ -57,8 +57,8 @@ NormalEquations normal_equations(const MapFields& fields, const ScanPoints& poin
     const LinePiece& line = tile->lines[index - 1];
     const std::int32_t tile_x = cell_x / MapTile::side;
     const std::int32_t tile_y = cell_y / MapTile::side;
-    const float dx = x - static_cast<float>(tile_x) * tile_side - line.x;
-    const float dy = y - static_cast<float>(tile_y) * tile_side - line.y;
+    const float dx = x - static_cast<float>(tile_x) * tile_width - line.x;
+    const float dy = y - static_cast<float>(tile_y) * tile_width - line.y;
     if (before > 0 && points.range[i] > 0) {  // of joined scans no beam is known
       const float share = static_cast<float>(before) / points.range[i];
       if (!is_seen(fields, x - dx - share * lever_x, y - dy - share * lever_y)) { continue; }

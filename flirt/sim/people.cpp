@@ -12,12 +12,10 @@
 namespace flirt {
 namespace {
 
-constexpr double stride = 1.4;             // m, two steps
-constexpr double swing_length = 0.25;      // m, of a leg before and behind the middle
-constexpr double half_stance = 0.1;        // m, of a leg to the side
-constexpr double robot_distance = 0.6;     // m, that people keep from the robot's origin
-constexpr double smoothing_length = 0.5;   // m
-constexpr double snapping_distance = 1.0;  // m
+constexpr double stride = 1.4;          // m, two steps
+constexpr double swing_length = 0.25;   // m, of a leg before and behind the middle
+constexpr double half_stance = 0.1;     // m, of a leg to the side
+constexpr double robot_distance = 0.6;  // m, that people keep from the robot's origin
 constexpr int attempts = 20;
 
 /// A closed way by two to four places within `range` of a random first one; empty when there are none.

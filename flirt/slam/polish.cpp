@@ -37,8 +37,8 @@ std::vector<double> surface_counts(std::span<const SurfacePoints> scans) {
 /// Edges of all pairs that see enough of each other, after those that were there before.
 PolishSummary add_pair_edges(PoseGraph& joint, std::span<const ScanPair> pairs, std::span<const SurfacePoints> scans,
                              double width, double range_sigma) {
-  constexpr double least_share = 0.3;  // of the points must find a partner
-  constexpr std::size_t fewest = 10;   // points
+  constexpr double least_paired = 0.3;  // of the points must find a partner
+  constexpr std::size_t fewest = 10;    // points
   const std::vector<double> counts = surface_counts(scans);
   PolishSummary summary{.fit = std::vector<double>(scans.size(), 0.0)};
   double squared = 0;
@@ -47,7 +47,7 @@ PolishSummary add_pair_edges(PoseGraph& joint, std::span<const ScanPair> pairs, 
     const Pose2 a_from_b = inverse(joint.map_from_node[pair.a]) * joint.map_from_node[pair.b];
     const AlignmentTerms terms = alignment_terms(scans[pair.a], scans[pair.b], a_from_b, width);
     const double most = std::min(counts[pair.a], counts[pair.b]);
-    if (terms.pairs < fewest || static_cast<double>(terms.pairs) < least_share * most) { continue; }
+    if (terms.pairs < fewest || static_cast<double>(terms.pairs) < least_paired * most) { continue; }
     joint.edges.push_back(pair_edge(pair, a_from_b, terms, range_sigma));
     ++summary.pairs;
     squared += terms.squared_residuals;

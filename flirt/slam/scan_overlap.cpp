@@ -95,7 +95,7 @@ std::vector<ScanPair> overlapping_pairs(std::span<const Pose2> map_from_node, st
     for (const auto& [a, share] : by_piece.add(b, scans[b], map_from_node[b])) {
       if (taken.size() == most) { break; }
       if (b - a <= neighbours_in_time) { continue; }
-      if (std::ranges::any_of(taken, [a = a](std::uint32_t other) { return same_time(a, other); })) { continue; }
+      if (std::ranges::any_of(taken, [scan = a](std::uint32_t other) { return same_time(scan, other); })) { continue; }
       taken.push_back(a);
       pairs.push_back({a, b});
     }

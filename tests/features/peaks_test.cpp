@@ -19,8 +19,8 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr PeakParams neighbours{.threshold = 0.3, .difference = 0.1, .rule = PeakRule::neighbours};
-constexpr PeakParams prominence{.threshold = 0.3, .difference = 0.1, .rule = PeakRule::prominence};
+constexpr PeakParams neighbour_rule{.threshold = 0.3, .difference = 0.1, .rule = PeakRule::neighbours};
+constexpr PeakParams prominence_rule{.threshold = 0.3, .difference = 0.1, .rule = PeakRule::prominence};
 
 std::vector<std::uint32_t> peaks_of(const std::vector<double>& signal, const PeakParams& params,
                                     const PeakSearch& search = {}) {
@@ -30,7 +30,7 @@ std::vector<std::uint32_t> peaks_of(const std::vector<double>& signal, const Pea
 }
 
 class BothRules : public testing::TestWithParam<PeakParams> {};
-INSTANTIATE_TEST_SUITE_P(Peaks, BothRules, testing::Values(neighbours, prominence));
+INSTANTIATE_TEST_SUITE_P(Peaks, BothRules, testing::Values(neighbour_rule, prominence_rule));
 
 TEST_P(BothRules, FindWhatStandsOutAboveTheThreshold) {
   EXPECT_THAT(peaks_of({0, 1, 0, 0.2, 0, 0.5, 0.45, 0.5, 1}, GetParam()), ElementsAre(1));
@@ -84,8 +84,8 @@ TEST_P(BothRules, FindNothingInShortFlatOrBrokenSignals) {
 
 TEST(PeakRules, DifferOnAPeakThatFallsInTwoSteps) {
   const std::vector<double> signal{0, 0.5, 0.45, 0};
-  EXPECT_THAT(peaks_of(signal, neighbours), IsEmpty());
-  EXPECT_THAT(peaks_of(signal, prominence), ElementsAre(1));
+  EXPECT_THAT(peaks_of(signal, neighbour_rule), IsEmpty());
+  EXPECT_THAT(peaks_of(signal, prominence_rule), ElementsAre(1));
 }
 
 TEST(PeaksOverNeighbours, EqualThePlainRuleWithoutPlateaus) {
@@ -102,7 +102,7 @@ TEST(PeaksOverNeighbours, EqualThePlainRuleWithoutPlateaus) {
       expected.push_back(static_cast<std::uint32_t>(i));
     }
   }
-  EXPECT_EQ(peaks_of(signal, neighbours, {.extrema = Extrema::both, .margin = 3}), expected);
+  EXPECT_EQ(peaks_of(signal, neighbour_rule, {.extrema = Extrema::both, .margin = 3}), expected);
 }
 
 TEST(ProminentPeaks, EqualTheirDefinitionSampleBySample) {
@@ -124,7 +124,7 @@ TEST(ProminentPeaks, EqualTheirDefinitionSampleBySample) {
     }
   }
   EXPECT_GT(expected.size(), 20U);
-  EXPECT_EQ(peaks_of(signal, prominence), expected);
+  EXPECT_EQ(peaks_of(signal, prominence_rule), expected);
 }
 
 TEST(ProminentPeaks, DoNotDependOnTheDensityOfTheSamples) {
@@ -136,9 +136,9 @@ TEST(ProminentPeaks, DoNotDependOnTheDensityOfTheSamples) {
     }
     return signal;
   };
-  EXPECT_THAT(peaks_of(bump(20), prominence), ElementsAre(10));
-  EXPECT_THAT(peaks_of(bump(2000), prominence), ElementsAre(1000));
-  EXPECT_THAT(peaks_of(bump(2000), neighbours), IsEmpty());
+  EXPECT_THAT(peaks_of(bump(20), prominence_rule), ElementsAre(10));
+  EXPECT_THAT(peaks_of(bump(2000), prominence_rule), ElementsAre(1000));
+  EXPECT_THAT(peaks_of(bump(2000), neighbour_rule), IsEmpty());
 }
 
 }  // namespace

@@ -13,11 +13,11 @@
 namespace flirt {
 namespace {
 
-constexpr Pose2 reference_from_query{1.5, -0.7, 2.3};
+constexpr Pose2 true_motion{1.5, -0.7, 2.3};
 
 std::vector<PointPair> exact_pairs(std::initializer_list<Point2> points) {
   std::vector<PointPair> pairs;
-  for (const Point2 point : points) { pairs.push_back({point, reference_from_query * point}); }
+  for (const Point2 point : points) { pairs.push_back({point, true_motion * point}); }
   return pairs;
 }
 
@@ -26,9 +26,9 @@ TEST(FitRigid, RecoversAnExactMotion) {
     const auto motion = fit_rigid(pairs);
     ASSERT_TRUE(motion);
     const Pose2 pose = motion->pose();
-    EXPECT_NEAR(pose.x, reference_from_query.x, 1e-12);
-    EXPECT_NEAR(pose.y, reference_from_query.y, 1e-12);
-    EXPECT_NEAR(pose.theta, reference_from_query.theta, 1e-12);
+    EXPECT_NEAR(pose.x, true_motion.x, 1e-12);
+    EXPECT_NEAR(pose.y, true_motion.y, 1e-12);
+    EXPECT_NEAR(pose.theta, true_motion.theta, 1e-12);
     const Point2 point{-2, 5};
     EXPECT_LT(norm(*motion * point - pose * point), 1e-12);
   }
@@ -125,12 +125,12 @@ std::vector<double> squared_errors(std::size_t points, double deviation, bool ow
     for (std::size_t i = 0; i < points; ++i) {
       const Point2 point{rng.uniform(-8.0, 8.0), rng.uniform(-8.0, 8.0)};
       const auto noise = [&] { return Point2{rng.normal(0.0, deviation), rng.normal(0.0, deviation)}; };
-      pairs.push_back({point + noise(), reference_from_query * point + noise()});
+      pairs.push_back({point + noise(), true_motion * point + noise()});
     }
     const Pose2 fit = fit_rigid(pairs)->pose();
     const double used = own_deviation ? deviation_from_residuals(pairs, fit) : deviation;
-    const Eigen::Vector3d error{fit.x - reference_from_query.x, fit.y - reference_from_query.y,
-                                wrap_angle(fit.theta - reference_from_query.theta)};
+    const Eigen::Vector3d error{fit.x - true_motion.x, fit.y - true_motion.y,
+                                wrap_angle(fit.theta - true_motion.theta)};
     errors.push_back(error.dot(rigid_covariance(pairs, used).inverse() * error));
   }
   std::ranges::sort(errors);
@@ -170,7 +170,7 @@ TEST(DeviationFromResiduals, FindsTheNoiseThatWasAdded) {
     for (int i = 0; i < 6; ++i) {
       const Point2 point{rng.uniform(-8.0, 8.0), rng.uniform(-8.0, 8.0)};
       const auto noise = [&] { return Point2{rng.normal(0.0, 0.03), rng.normal(0.0, 0.03)}; };
-      pairs.push_back({point + noise(), reference_from_query * point + noise()});
+      pairs.push_back({point + noise(), true_motion * point + noise()});
     }
     const double deviation = deviation_from_residuals(pairs, fit_rigid(pairs)->pose());
     sum += deviation * deviation;

@@ -3,6 +3,8 @@
 #include "flirt/core/rng.hpp"
 #include "flirt/sim/office.hpp"
 
+#include "tests/sim/closed_room.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,12 +12,6 @@
 
 namespace flirt {
 namespace {
-
-FloorPlan closed_room(double width, double height) {
-  return {{{{0, 0}, {width, 0}}, {{width, 0}, {width, height}}, {{width, height}, {0, height}}, {{0, height}, {0, 0}}},
-          {},
-          {}};
-}
 
 TEST(FreeSpace, ClearanceIsALowerBoundWithinThreeCells) {
   const FloorPlan plan = make_office({.area = 800}).plan;

@@ -1,17 +1,13 @@
 #include "flirt/sim/path_search.hpp"
 
+#include "tests/sim/closed_room.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 namespace flirt {
 namespace {
-
-FloorPlan closed_room(double width, double height) {
-  return {{{{0, 0}, {width, 0}}, {{width, 0}, {width, height}}, {{width, height}, {0, height}}, {{0, height}, {0, 0}}},
-          {},
-          {}};
-}
 
 TEST(PathSearch, GoesAroundAWall) {
   FloorPlan plan = closed_room(8, 6);
