@@ -29,9 +29,22 @@ struct RelativePose {
 /// The measurement of an edge, or nothing when its information does not bind all of (x, y, theta).
 [[nodiscard]] std::optional<RelativePose> relative_pose(const PoseEdge& edge);
 
-/// b as seen from a along the path of edges with the smallest sum of covariance traces (Dijkstra), covariances
-/// propagated along it (P1 §3.2). Nothing when there is no such path. O(edges log edges), less for near nodes.
-[[nodiscard]] std::optional<RelativePose> shortest_path(const PoseGraph& graph, std::uint32_t a, std::uint32_t b);
+/// The paths of edges from all nodes to one, with the smallest sums of covariance traces (Dijkstra, P1 §3.2). Made in
+/// O(edges log edges); the graph must outlive it unchanged.
+class ShortestPaths {
+ public:
+  ShortestPaths(const PoseGraph& graph, std::uint32_t target);
+
+  [[nodiscard]] std::uint32_t target() const { return target_; }
+  /// The target as seen from `node`, covariances propagated along the path. Nothing when there is no path. O(its
+  /// length).
+  [[nodiscard]] std::optional<RelativePose> from(std::uint32_t node) const;
+
+ private:
+  const PoseGraph& graph_;
+  std::uint32_t target_;
+  std::vector<std::uint32_t> next_edge_;  ///< per node: the first edge of its path
+};
 
 struct GateParams {
   double limit{7.815};  ///< squared Mahalanobis distance: χ²₃ at 0.95
@@ -43,12 +56,10 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.limit, Field{"limit", "1", "largest squared Mahalanobis distance from the shortest path", 0.0, 1e9});
 }
 
-/// The papers' gate for symmetric places: squared Mahalanobis distance of an edge that is not yet in `graph` from the
-/// shortest path between its nodes. Nothing when the graph does not connect them, or the edge leaves a direction open:
-/// then there is nothing to contradict.
-[[nodiscard]] std::optional<double> distance_from_path(const PoseGraph& graph, const PoseEdge& edge);
-/// The gate itself: true unless the shortest path contradicts the edge.
-[[nodiscard]] bool passes_gate(const PoseGraph& graph, const PoseEdge& edge, const GateParams& params = {});
+/// The papers' gate for symmetric places: false when the shortest path between the nodes of an edge that is not yet in
+/// the graph contradicts it, by squared Mahalanobis distance. Where the graph does not connect them, or the edge leaves
+/// a direction open, there is nothing to contradict.
+[[nodiscard]] bool passes_gate(const ShortestPaths& to_b, const PoseEdge& edge, const GateParams& params = {});
 
 struct ConsistencyParams {
   double limit{11.345};                 ///< squared Mahalanobis distance of two loops' cycle: χ²₃ at 0.99

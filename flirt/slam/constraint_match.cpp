@@ -15,33 +15,23 @@ RansacParams ransac_params(const FlirtParams& params) {
   return ransac;
 }
 
-double mean_distance(std::span<const IndexPair> inliers, const KeypointColumns& query, const KeypointColumns& reference,
-                     const Pose2& reference_from_query) {
+double mean_squared_distance(std::span<const IndexPair> inliers, const KeypointColumns& query,
+                             const KeypointColumns& reference, const Pose2& reference_from_query) {
   double sum = 0;
   for (const IndexPair& pair : inliers) {
     const Point2 at = reference_from_query * Point2{query.x[pair.query], query.y[pair.query]};
-    sum += norm(at - Point2{reference.x[pair.reference], reference.y[pair.reference]});
+    sum += squared_norm(at - Point2{reference.x[pair.reference], reference.y[pair.reference]});
   }
   return sum / static_cast<double>(std::max<std::size_t>(1, inliers.size()));
 }
 
-ConstraintMatch refined(const SlamScan& earlier, const SlamScan& query, ConstraintMatch found) {
-  constexpr double range_sigma = 0.03;  // m
-  const AlignedPose aligned = align_to_scan(earlier.points, query.points, found.earlier_from_robot,
-                                            {found.earlier_from_robot, Eigen::Vector3d(2, 2, 2).asDiagonal()});
-  found.earlier_from_robot = aligned.map_from_robot;
-  found.information = edge_information(aligned.terms.information, range_sigma, Eigen::Matrix3d::Identity());
-  return found;
-}
-
-/// Mean distance of the query's points from the lines of the reference, m; those that lie where the reference saw free
-/// space count with the largest distance compared. Nothing when too few points can be compared.
+/// Median distance of the query's points from the lines of the reference, m; the largest distance compared when more of
+/// them lie where the reference saw free space. Nothing when too few points can be compared.
 std::optional<double> reprojection_error(const Verification& verified) {
-  constexpr double largest = VerifyParams{}.line_distance;
   constexpr double least_overlap = 0.3;
   const double compared = verified.line_points + verified.free_points;
   if (verified.line_points == 0 || compared < least_overlap * verified.query_points) { return std::nullopt; }
-  return (verified.line_points * verified.mean_line_residual + verified.free_points * largest) / compared;
+  return verified.free_points > verified.line_points ? VerifyParams{}.line_distance : verified.median_line_residual;
 }
 
 }  // namespace
@@ -63,7 +53,7 @@ std::optional<ConstraintMatch> ConstraintMatcher::match(const SlamScan& earlier)
   const std::optional<PairAlignment> found = matcher_.align(reference);
   if (!found || found->inliers <= params_.min_inliers) { return std::nullopt; }
   const double error =
-      mean_distance(matcher_.inliers(), query.keypoints, reference.keypoints, found->reference_from_query);
+      mean_squared_distance(matcher_.inliers(), query.keypoints, reference.keypoints, found->reference_from_query);
   if (error >= params_.max_inlier_error) { return std::nullopt; }
   const Pose2& robot_from_sensor = query_->scan.robot_from_sensor;
   return ConstraintMatch{earlier.scan.robot_from_sensor * found->reference_from_query * inverse(robot_from_sensor),
@@ -71,8 +61,18 @@ std::optional<ConstraintMatch> ConstraintMatcher::match(const SlamScan& earlier)
                          found->inliers, error};
 }
 
+ConstraintMatch ConstraintMatcher::refined(const SlamScan& earlier, const ConstraintMatch& found) const {
+  constexpr double range_sigma = 0.03;  // m
+  if (params_.refinement == FlirtRefinement::off) { return found; }
+  const AlignedPose aligned = align_to_scan(earlier.points, query_->points, found.earlier_from_robot,
+                                            {found.earlier_from_robot, Eigen::Vector3d(2, 2, 2).asDiagonal()});
+  ConstraintMatch drawn = found;
+  drawn.earlier_from_robot = aligned.map_from_robot;
+  drawn.information = edge_information(aligned.terms.information, range_sigma, Eigen::Matrix3d::Identity());
+  return drawn;
+}
+
 std::optional<ConstraintMatch> ConstraintMatcher::verified(const SlamScan& earlier, ConstraintMatch found) const {
-  if (params_.refinement == FlirtRefinement::icp) { found = refined(earlier, *query_, found); }
   const Pose2 reference_from_query =
       inverse(earlier.scan.robot_from_sensor) * found.earlier_from_robot * query_->scan.robot_from_sensor;
   const auto there = reprojection_error(verify(query_->scan, earlier.scan, reference_from_query));

@@ -16,8 +16,8 @@ struct ConstraintMatch {
   Pose2 earlier_from_robot{};
   Eigen::Matrix3d information{Eigen::Matrix3d::Identity()};  ///< as PoseEdge::information
   std::uint32_t inliers{0};
-  double inlier_error{0};  ///< m, mean distance of the inliers
-  double scan_error{0};    ///< m, mean distance of each scan's points from the other's lines; the larger of the two
+  double inlier_error{0};  ///< m², mean squared distance of the inliers
+  double scan_error{0};    ///< m, median distance of each scan's points from the other's lines; the larger of the two
 };
 
 /// More inliers first, then smaller error.
@@ -35,7 +35,9 @@ class ConstraintMatcher {
   /// What passes the gates that keypoints alone decide: inliers, and their mean error; scan_error is not yet known.
   /// O(query · reference) and as Ransac::align.
   [[nodiscard]] std::optional<ConstraintMatch> match(const SlamScan& earlier);
-  /// The same motion, refined if the parameters ask for it, if the full scans agree with it. O(beams · window).
+  /// The motion drawn onto the lines of the earlier scan, if the parameters ask for it. O(points · steps).
+  [[nodiscard]] ConstraintMatch refined(const SlamScan& earlier, const ConstraintMatch& found) const;
+  /// The same motion if the full scans agree with it. O(beams · window).
   [[nodiscard]] std::optional<ConstraintMatch> verified(const SlamScan& earlier, ConstraintMatch found) const;
 
  private:

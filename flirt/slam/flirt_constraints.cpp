@@ -31,18 +31,21 @@ std::vector<Closure> FlirtConstraints::add(std::span<const SlamScan> scans, cons
   const std::vector<Pose2>& poses = graph.map_from_node;
   travel_.push_back(node == 0 ? 0 : travel_.back() + distance(poses[node - 1], poses[node]));
   std::vector<Closure> closures;
+  std::optional<ShortestPaths> paths;
   std::size_t taken = 1;  // the motion edge
   for (const Candidate& candidate : candidates(scans)) {
     if (taken == params_.flirt.best_constraints) { break; }
-    const std::optional<ConstraintMatch> match = matcher_.verified(scans[candidate.node], candidate.match);
-    if (!match) { continue; }
+    const SlamScan& earlier = scans[candidate.node];
+    const ConstraintMatch match = matcher_.refined(earlier, candidate.match);
     const EdgeKind kind = is_loop(candidate.node, node) ? EdgeKind::loop : EdgeKind::motion;
-    const PoseEdge edge{candidate.node, node, match->earlier_from_robot, match->information, kind};
-    if (params_.flirt.gate == FlirtGate::shortest_path && !passes_gate(graph, edge, {params_.flirt.gate_limit})) {
-      continue;
+    const PoseEdge edge{candidate.node, node, match.earlier_from_robot, match.information, kind};
+    if (params_.flirt.gate == FlirtGate::shortest_path) {
+      if (!paths) { paths.emplace(graph, node); }
+      if (!passes_gate(*paths, edge, {params_.flirt.gate_limit})) { continue; }
     }
+    if (!matcher_.verified(earlier, match)) { continue; }  // last, as it takes longest
     ++taken;
-    const Pose2 off = inverse(poses[node]) * poses[candidate.node] * match->earlier_from_robot;
+    const Pose2 off = inverse(poses[node]) * poses[candidate.node] * match.earlier_from_robot;
     closures.push_back({{edge}, norm(off.translation()), std::abs(off.theta)});
   }
   return closures;

@@ -21,7 +21,7 @@ class FlirtConstraints {
   explicit FlirtConstraints(const SlamParams& params) : params_(params), matcher_(params.flirt) {}
 
   /// To be called for every scan that the graph gets, after its motion edge; `scans[i]` belongs to node i. The
-  /// constraint to the scan before is that edge. O(scans · keypoints²), and a Dijkstra run a constraint.
+  /// constraint to the scan before is that edge. O(scans · keypoints² + edges log edges).
   [[nodiscard]] std::vector<Closure> add(std::span<const SlamScan> scans, const PoseGraph& graph);
 
  private:

@@ -13,7 +13,7 @@ ScanMotion FlirtFrontEnd::add(const SlamScan& scan) {
   }
   matcher_.set_query(scan);
   std::optional<ConstraintMatch> found = matcher_.match(*last_);
-  if (found) { found = matcher_.verified(*last_, *found); }
+  if (found) { found = matcher_.verified(*last_, matcher_.refined(*last_, *found)); }
   RelativeMotion relative{1, reckoning_.motion(scan), reckoning_.information(scan)};
   if (found) {
     relative.earlier_from_robot = found->earlier_from_robot;

@@ -32,7 +32,7 @@ constexpr auto enum_names(FlirtGate /*tag*/) {
 /// Defaults are the papers' where they give one.
 struct FlirtParams {
   std::uint32_t min_inliers{6};         ///< a constraint has more inliers than this (n_min)
-  double max_inlier_error{0.05};        ///< m, and a smaller mean distance of its inliers (E_max)
+  double max_inlier_error{0.05};        ///< m², and a smaller mean squared distance of its inliers (E_max)
   double max_scan_error{0.05};          ///< m, and a smaller reprojection error of both scans in full
   std::uint32_t best_constraints{15};   ///< of a step, at most
   std::uint32_t featureless_below{10};  ///< keypoints; fewer are a featureless place
@@ -44,14 +44,15 @@ struct FlirtParams {
   double odometry_rotation{0.1};     ///< rad per rad, and 0.05 rad per m
   double constant_translation{0.3};  ///< m, deviation of the motion before where that has to do
   double constant_rotation{0.2};     ///< rad
-  std::uint32_t optimize_every{10};  ///< steps that small corrections wait for
+  std::uint32_t optimize_every{50};  ///< steps that small corrections wait for
 };
 
 template <class Params, class Visitor>
   requires std::same_as<std::remove_const_t<Params>, FlirtParams>
 void visit_fields(Params& params, Visitor&& visit) {
   visit(params.min_inliers, Field{"flirt_min_inliers", "", "constraints have more inliers", 2, 1000});
-  visit(params.max_inlier_error, Field{"flirt_max_inlier_error", "m", "mean distance of inliers is less", 0, 10});
+  visit(params.max_inlier_error,
+        Field{"flirt_max_inlier_error", "m2", "mean squared distance of inliers is less", 0, 100});
   visit(params.max_scan_error,
         Field{"flirt_max_scan_error", "m", "reprojection error of the full scans is less", 0, 10});
   visit(params.best_constraints, Field{"flirt_best_constraints", "", "of a step, at most", 1, 100000});

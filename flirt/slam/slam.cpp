@@ -117,10 +117,10 @@ struct Slam::State {
 
   /// What was mapped before the last closures stands; only the way since then has drifted.
   void optimize_newest() {
-    constexpr std::uint32_t margin = 100;  // scans
-    constexpr std::uint32_t most = 1500;   // scans; a longer way waits for `finish` to be bent as a whole
+    const std::uint32_t margin = std::max(100U, params.window);  // scans
+    constexpr std::uint32_t most = 1500;  // scans; a longer way waits for `finish` to be bent as a whole
     const auto newest = static_cast<std::uint32_t>(graph.map_from_node.size() - 1);
-    const bool whole = params.front_end == FrontEndKind::flirt;  // constraints anywhere, in every step
+    const bool whole = params.front_end == FrontEndKind::flirt && params.window == 0;  // constraints anywhere
     const std::uint32_t first_free = std::max(tied > margin ? tied - margin : 0, newest > most ? newest - most : 0);
     tied = newest;
     optimize_poses(4, whole ? 0 : first_free);

@@ -49,7 +49,7 @@ TEST(RelativePose, InverseOfTheInverseIsThePoseItself) {
   EXPECT_LT((twice.covariance - pose.covariance).norm(), 1e-12);
 }
 
-TEST(ShortestPath, TakesTheDetourOfLessUncertainty) {
+TEST(ShortestPaths, TakesTheDetourOfLessUncertainty) {
   PoseGraph graph{.map_from_node = std::vector<Pose2>(4)};
   const auto add = [&](std::uint32_t a, std::uint32_t b, Pose2 a_from_b, double deviation) {
     graph.edges.push_back({.a = a, .b = b, .a_from_b = a_from_b});
@@ -59,7 +59,7 @@ TEST(ShortestPath, TakesTheDetourOfLessUncertainty) {
   add(0, 1, {1, 0, 0}, 0.1);  // 0 → 1 → 2 → 3, one of them against its direction
   add(2, 1, {-1, 0, 0}, 0.1);
   add(2, 3, {1, 0, 0}, 0.1);
-  const auto path = shortest_path(graph, 0, 3);
+  const auto path = ShortestPaths(graph, 3).from(0);
   ASSERT_TRUE(path);
   EXPECT_LT(distance(path->a_from_b, {3, 0, 0}), 1e-12);
   EXPECT_NEAR(path->covariance(2, 2), 0.03, 1e-12);
@@ -68,11 +68,12 @@ TEST(ShortestPath, TakesTheDetourOfLessUncertainty) {
   EXPECT_NEAR(path->covariance(1, 1), 0.03 + 0.01 * (4 + 4), 1e-12);
 }
 
-TEST(ShortestPath, IsNotThereBetweenSeparateParts) {
+TEST(ShortestPaths, IsNotThereBetweenSeparateParts) {
   PoseGraph graph{.map_from_node = std::vector<Pose2>(3)};
   graph.edges.push_back({.a = 0, .b = 1});
-  EXPECT_FALSE(shortest_path(graph, 0, 2));
-  EXPECT_TRUE(passes_gate(graph, {.a = 0, .b = 2})) << "nothing contradicts it";
+  const ShortestPaths to_last(graph, 2);
+  EXPECT_FALSE(to_last.from(0));
+  EXPECT_TRUE(passes_gate(to_last, {.a = 0, .b = 2})) << "nothing contradicts it";
 }
 
 TEST(Gate, PassesNineteenOfTwentyRightLoopsAndNoWrongOne) {
@@ -89,11 +90,11 @@ TEST(Gate, PassesNineteenOfTwentyRightLoopsAndNoWrongOne) {
     for (std::uint32_t k = 0; k < 60; ++k) {
       drawn.edges.push_back(measured(known.truth, k, k + 1, EdgeKind::motion, {0.01, 0.004}, rng));
     }
-    passed += passes_gate(drawn, measured(known.truth, 0, 60, EdgeKind::loop, {0.01, 0.004}, rng)) ? 1 : 0;
+    passed += passes_gate({drawn, 60}, measured(known.truth, 0, 60, EdgeKind::loop, {0.01, 0.004}, rng)) ? 1 : 0;
   }
   EXPECT_NEAR(passed, 0.95 * tries, 0.03 * tries);
-  EXPECT_FALSE(
-      passes_gate(motion, {.a = 0, .b = 120, .a_from_b = {5, 5, 0}, .information = 1e4 * Eigen::Matrix3d::Identity()}));
+  EXPECT_FALSE(passes_gate(
+      {motion, 120}, {.a = 0, .b = 120, .a_from_b = {5, 5, 0}, .information = 1e4 * Eigen::Matrix3d::Identity()}));
 }
 
 std::size_t size_by_trying_all(const AgreementMatrix& agreement) {
