@@ -16,6 +16,8 @@ constexpr double stride = 1.4;          // m, two steps
 constexpr double swing_length = 0.25;   // m, of a leg before and behind the middle
 constexpr double half_stance = 0.1;     // m, of a leg to the side
 constexpr double robot_distance = 0.6;  // m, that people keep from the robot's origin
+constexpr double way_smoothing = 0.5;   // m
+constexpr double way_snapping = 1.0;    // m
 constexpr int attempts = 20;
 
 /// A closed way by two to four places within `range` of a random first one; empty when there are none.
@@ -31,12 +33,12 @@ std::vector<Point2> closed_way(const FreeSpace& space, PathSearch& search, std::
   }
   if (stops.size() < 2) { return {}; }
   stops.push_back(first);
-  std::vector<Point2> way{space.nearest(first, snapping_distance)};
+  std::vector<Point2> way{space.nearest(first, way_snapping)};
   for (std::size_t i = 1; i < stops.size(); ++i) {
-    const std::vector<Point2> leg = search.path(way.back(), space.nearest(stops[i], snapping_distance)[0]);
+    const std::vector<Point2> leg = search.path(way.back(), space.nearest(stops[i], way_snapping)[0]);
     way.insert(way.end(), leg.begin(), leg.end());
   }
-  way = smooth_way(space, std::move(way), smoothing_length);
+  way = smooth_way(space, std::move(way), way_smoothing);
   way.back() = way.front();
   return way;
 }
@@ -47,7 +49,7 @@ Crowd::Crowd(const FreeSpace& space, std::span<const Point2> places, const Peopl
     : params_(params) {
   std::vector<Point2> reachable;
   for (const Point2 place : places) {
-    if (!space.nearest(place, snapping_distance).empty()) { reachable.push_back(place); }
+    if (!space.nearest(place, way_snapping).empty()) { reachable.push_back(place); }
   }
   if (params.count == 0 || reachable.size() < 2) { return; }
   PathSearch search(space);
