@@ -262,9 +262,6 @@ struct GridMaker {
 };
 
 TEST(PlaceMapFromGridOfARealBuilding, FindsScansAboutAsWellAsTheScansThatMadeIt) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "takes minutes under sanitizers; the others here go the same ways";
-#endif
   for (const std::string file : {"aces/aces-corrected.log.gz", "fr101/freiburg-101-corrected.log.gz"}) {
     const auto path = data_file(file);
     if (!path) { GTEST_SKIP() << "not there: " << file; }
