@@ -8,8 +8,9 @@
 namespace flirt::app {
 namespace {
 
-svg::Polylines line_of(const std::vector<Pose2>& poses, svg::Colour colour, std::string legend) {
-  svg::Polylines line{.lines = {{}}, .colour = colour, .width = 0.8, .legend = std::move(legend)};
+svg::Polylines line_of(const std::vector<Pose2>& poses, const svg::SeriesStyle& style, std::string legend) {
+  svg::Polylines line{
+      .lines = {{}}, .colour = style.colour, .width = 0.8, .dash = style.dash, .legend = std::move(legend)};
   for (const Pose2& pose : poses) { line.lines.front().push_back(pose.translation()); }
   return line;
 }
@@ -30,8 +31,10 @@ std::string map_picture(const GridMapImage& map, const MapOverlay& overlay) {
   svg::Plan plan;
   plan.layers.emplace_back(svg::Raster{
       .image = map.image, .map_from_image = map.metadata.origin, .resolution = map.metadata.resolution, .opacity = 1});
-  if (!overlay.true_way.empty()) { plan.layers.emplace_back(line_of(overlay.true_way, svg::green, "true way")); }
-  plan.layers.emplace_back(line_of(overlay.way, svg::blue, "way of the robot"));
+  if (!overlay.true_way.empty()) {
+    plan.layers.emplace_back(line_of(overlay.true_way, {svg::black, svg::Dash::dashed}, "true way"));
+  }
+  plan.layers.emplace_back(line_of(overlay.way, {svg::blue, svg::Dash::solid}, "way of the robot"));
   svg::Polylines loops{.colour = svg::vermilion, .width = 0.6, .legend = "closures"};
   for (const auto& [from, to] : overlay.closures) { loops.lines.push_back({from, to}); }
   if (!loops.lines.empty()) { plan.layers.emplace_back(std::move(loops)); }

@@ -7,10 +7,15 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <deque>
 #include <optional>
 
 namespace flirt {
+
+enum class OdometryJump : std::uint8_t { no, perhaps, yes };
 
 /// The motion that odometry tells, or that of the step before where there is none (P1 §3).
 class DeadReckoning {
@@ -26,6 +31,27 @@ class DeadReckoning {
   [[nodiscard]] Pose2 motion(const SlamScan& scan) const {
     return uses_odometry(scan) ? inverse(*last_odometry_) * *scan.odom_from_robot : last_motion_;
   }
+  /// What the scans said of the step before, whatever odometry tells of this one.
+  [[nodiscard]] const Pose2& last_motion() const { return last_motion_; }
+  /// Whether the robot moves as odometry tells. Not where that is three times as fast as it was of late, and over 3
+  /// m/s: a counter was set back, or a message damaged. Where stamps tell nothing, three times as far is doubtful.
+  [[nodiscard]] OdometryJump odometry_jump(const SlamScan& scan) const {
+    constexpr double shortest = 1.5;   // m
+    constexpr double longest = 100;    // m
+    constexpr double slowest = 3;      // m/s
+    constexpr std::size_t fewest = 5;  // steps to compare with
+    if (!uses_odometry(scan)) { return OdometryJump::no; }
+    const double way = norm(motion(scan).translation());
+    if (way < shortest) { return OdometryJump::no; }
+    const double seconds = scan.scan.stamp - last_stamp_;
+    if (way > longest) { return OdometryJump::yes; }
+    if (seconds > 0 && speeds_.size() >= fewest) {
+      return way > seconds * std::max(slowest, 3 * std::ranges::max(speeds_)) ? OdometryJump::yes : OdometryJump::no;
+    }
+    return way > 3 * longest_step() ? OdometryJump::perhaps : OdometryJump::no;
+  }
+  /// m, of the last motions.
+  [[nodiscard]] double longest_step() const { return steps_.empty() ? 0 : std::ranges::max(steps_); }
   /// Inverse covariance of `motion`.
   [[nodiscard]] Eigen::Matrix3d information(const SlamScan& scan) const {
     const FlirtParams& flirt = params_.flirt;
@@ -46,15 +72,33 @@ class DeadReckoning {
     last_motion_ = found;
     has_moved_ = has_moved_ || (scan.odom_from_robot && last_odometry_ && *scan.odom_from_robot != *last_odometry_);
     last_odometry_ = scan.odom_from_robot;
+    const double seconds = scan.scan.stamp - last_stamp_;
+    last_stamp_ = scan.scan.stamp;
+    if (is_first_) {
+      is_first_ = false;
+      return;
+    }
+    keep_last(steps_, norm(found.translation()));
+    if (seconds > 0) { keep_last(speeds_, norm(found.translation()) / seconds); }
   }
   /// The last motion says nothing of the next one.
   void forget_motion() { last_motion_ = {}; }
 
  private:
+  static void keep_last(std::deque<double>& values, double value) {
+    constexpr std::size_t remembered = 20;
+    values.push_back(value);
+    if (values.size() > remembered) { values.pop_front(); }
+  }
+
   SlamParams params_;
   std::optional<Pose2> last_odometry_{};
   Pose2 last_motion_{};
-  bool has_moved_{false};  ///< odometry did, ever
+  double last_stamp_{0};         ///< s
+  bool is_first_{true};          ///< no scan was seen
+  std::deque<double> steps_{};   ///< m, of the last motions found
+  std::deque<double> speeds_{};  ///< m/s, of those whose stamps tell how long they took
+  bool has_moved_{false};        ///< odometry did, ever
 };
 
 }  // namespace flirt

@@ -19,8 +19,7 @@ struct PolishSummary {
 };
 
 /// Rounds of: each pair's point-to-line terms at the present poses, as one edge; least squares over all of them and the
-/// motion edges of scans that found no partner (Borrmann and others 2008, with lines). Loop edges are replaced by the
-/// pairs.
+/// edges that were there, by `polish_keep` (Borrmann and others 2008, with lines).
 PolishSummary polish(PoseGraph& graph, std::span<const SurfacePoints> scans, const SlamParams& params);
 
 }  // namespace flirt

@@ -97,9 +97,7 @@ std::vector<ScanFrontEnd::Judged> ScanFrontEnd::match_keypoints(const SlamScan& 
 
 /// How far a wide search reaches: as far as the robot moved lately, and a half more.
 double ScanFrontEnd::wide_extent() const {
-  double longest = 0;
-  for (const double step : steps_) { longest = std::max(longest, step); }
-  return std::clamp(1.5 * longest, params_.wide_extent, params_.widest_extent);
+  return std::clamp(1.5 * reckoning_.longest_step(), params_.wide_extent, params_.widest_extent);
 }
 
 /// The farthest of the poses elsewhere that are nearly as plausible as the best: doors along a corridor look alike, and
@@ -117,7 +115,13 @@ std::optional<Pose2> ScanFrontEnd::rival(std::span<const Judged> tried, const Ju
   return rival;
 }
 
-ScanFrontEnd::Placed ScanFrontEnd::place(const SlamScan& scan, const Prediction& prediction) {
+bool ScanFrontEnd::is_believable(const std::optional<Placed>& placed) const {
+  return placed && placed->best.quality >= params_.usable_score && placed->best.terms.weight >= fewest_known;
+}
+
+/// The best pose that was found, if the scan says anything.
+std::optional<ScanFrontEnd::Placed> ScanFrontEnd::place(const SlamScan& scan, const Prediction& prediction) {
+  if (scan.points.size() < fewest_points || map_.scans() == 0) { return std::nullopt; }
   const bool odometry = prediction.odometry.has_value();
   std::vector<Judged> tried{judge(scan.points, prediction.local_from_robot, prediction)};
   std::size_t best = 0;
@@ -178,13 +182,10 @@ void ScanFrontEnd::restart(const SlamScan& scan, const Pose2& local_from_robot) 
 
 void ScanFrontEnd::remember(const SlamScan& scan, const Pose2& local_from_robot) {
   constexpr std::size_t remembered = 4;
-  constexpr std::size_t remembered_steps = 20;
   Pose2 motion;
   if (!recent_.empty()) {
     motion = inverse(recent_.back()) * local_from_robot;
     travel_ += way(motion);
-    steps_.push_back(norm(motion.translation()));
-    if (steps_.size() > remembered_steps) { steps_.pop_front(); }
   }
   recent_.push_back(local_from_robot);
   if (recent_.size() > remembered) { recent_.erase(recent_.begin()); }
@@ -272,20 +273,25 @@ ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
     remember(scan, {params_.start_x, params_.start_y, params_.start_theta});
     return motion;
   }
-  const Prediction prediction = predicted(scan);
+  const Prediction without_odometry{recent_.back() * reckoning_.last_motion(), std::nullopt};
+  const OdometryJump jump = reckoning_.odometry_jump(scan);
+  Prediction prediction = jump == OdometryJump::yes ? without_odometry : predicted(scan);
+  std::optional<Placed> placed = place(scan, prediction);
+  if (jump == OdometryJump::perhaps && !is_believable(placed)) {
+    const std::optional<Placed> near = place(scan, without_odometry);
+    if (is_believable(near)) {
+      prediction = without_odometry;
+      placed = near;
+    }
+  }
   Judged found{prediction.local_from_robot, {}, -1e9};
   std::optional<Pose2> rival;
   motion.source = MotionSource::prediction;
-  if (scan.points.size() >= fewest_points && map_.scans() > 0) {
-    const Placed placed = place(scan, prediction);
-    const auto& [best, source, other] = placed;
-    motion.score = best.score;
-    const double known_points = best.terms.weight;
-    if (best.quality >= params_.usable_score && known_points >= fewest_known) {
-      found = best;
-      motion.source = source;
-      if (!prediction.odometry) { rival = other; }  // odometry tells them apart
-    }
+  if (placed) { motion.score = placed->best.score; }
+  if (is_believable(placed)) {
+    found = placed->best;
+    motion.source = placed->source;
+    if (!prediction.odometry) { rival = placed->rival; }  // odometry tells them apart
   }
   const Hold hold = hold_of(std::span(&scan.points, 1), map_, found.local_from_robot);
   Eigen::Vector3d floor = unmeasured(motion, prediction);

@@ -63,7 +63,8 @@ class ScanFrontEnd {
   void extract_keypoints(SlamScan& scan);
   [[nodiscard]] std::vector<Judged> match_keypoints(const SlamScan& scan, const Prediction& prediction);
   [[nodiscard]] double wide_extent() const;
-  [[nodiscard]] Placed place(const SlamScan& scan, const Prediction& prediction);
+  [[nodiscard]] bool is_believable(const std::optional<Placed>& placed) const;
+  [[nodiscard]] std::optional<Placed> place(const SlamScan& scan, const Prediction& prediction);
   void remember(const SlamScan& scan, const Pose2& local_from_robot);
   void restart(const SlamScan& scan, const Pose2& local_from_robot);
   void add_to_map(const SlamScan& scan, const Pose2& local_from_robot);
@@ -81,7 +82,6 @@ class ScanFrontEnd {
   std::deque<MapScan> map_scans_{};
   FeatureExtractor extractor_{};
   PairMatcher matcher_;
-  std::deque<double> steps_{};   ///< m, of the last motions found
   std::vector<Pose2> recent_{};  ///< local_from_robot of the last four scans
   double travel_{0};
   std::uint32_t blind_{0};          ///< scans in a row that were not believed

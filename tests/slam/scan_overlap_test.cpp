@@ -61,5 +61,35 @@ TEST(OverlappingPairs, AreNeighboursInTimeAndOtherVisits) {
   }
 }
 
+/// Poses that take turns, so that the robot moves and sees the same.
+std::vector<Pose2> to_and_fro(std::size_t count) {
+  std::vector<Pose2> poses(count);
+  for (std::size_t i = 1; i < count; i += 2) { poses[i].y = 0.06; }
+  return poses;
+}
+
+TEST(OverlappingPairs, AreNotSoughtWithEveryVisitOfManyToOnePlace) {
+  constexpr std::size_t visits = 400;
+  const std::vector<ScanPair> pairs =
+      overlapping_pairs(to_and_fro(visits), std::vector<SurfacePoints>(visits, wall_ahead()), 4);
+  std::size_t late = 0;
+  for (const ScanPair& pair : pairs) {
+    if (pair.b - pair.a <= 3) { continue; }
+    EXPECT_LE(pair.a, 100U);
+    late += pair.b > 300 ? 1 : 0;
+  }
+  EXPECT_EQ(late, 4 * 99U);
+}
+
+TEST(OverlappingPairs, AreOneForEachScanOfARobotThatStands) {
+  const std::vector<Pose2> poses{{}, {0.02, 0, 0.02}, {0.031, 0, 3.14}, {0.05, 0, -3.14}, {0.04, 0, -3.1}};
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> found;
+  for (const ScanPair& pair : overlapping_pairs(poses, std::vector<SurfacePoints>(5, wall_ahead()), 4)) {
+    found.emplace_back(pair.a, pair.b);
+  }
+  using testing::Pair;
+  EXPECT_THAT(found, testing::ElementsAre(Pair(0, 1), Pair(0, 2), Pair(2, 3), Pair(0, 4), Pair(2, 4)));
+}
+
 }  // namespace
 }  // namespace flirt

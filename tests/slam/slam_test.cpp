@@ -55,6 +55,17 @@ TEST(Slam, TakesOdometryThatNeverMovesForNone) {
   EXPECT_EQ(mapped(log).graph().map_from_node, mapped(log, {.odometry = OdometryUse::ignore}).graph().map_from_node);
 }
 
+TEST(Slam, DoesNotFollowOdometryThatJumps) {
+  ScanLog log = building().log;
+  log.scans.resize(200);
+  log.map_from_robot.resize(200);
+  for (const std::size_t i : {60U, 100U, 140U}) { log.scans[i].odom_from_robot->x += i == 100 ? 1e6 : 28; }
+  for (std::size_t i = 160; i < 200; ++i) { log.scans[i].odom_from_robot->y -= 50; }
+  const Slam slam = mapped(log);
+  EXPECT_LT(error_of(slam, log), 0.05);
+  EXPECT_EQ(slam.summary().predictions, 0U);
+}
+
 TEST(Slam, ClosesNoLoopWrongly) {
   const ScanLog& log = building().log;
   const Slam slam = mapped(log, {.odometry = OdometryUse::ignore});
