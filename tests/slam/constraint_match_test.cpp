@@ -7,6 +7,8 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
 
 namespace flirt {
 namespace {
