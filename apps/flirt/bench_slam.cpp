@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
@@ -28,6 +29,7 @@ struct BenchSlamOptions {
   std::size_t every{1};
   std::size_t starts{0};
   bool dynamic{false};
+  std::vector<std::string> places{dynamic_places()};  ///< of --dynamic
   std::uint32_t window{20};
   std::size_t long_scans{0};
   SlamMethods params;
@@ -76,7 +78,7 @@ std::vector<DynamicRun> run_crowds(const BenchSlamOptions& options, const Sessio
   if (!options.dynamic) { return {}; }
   SlamMethods params = options.params;
   params.slam.window = options.window;
-  return run_dynamic(options.methods, params, session);
+  return run_dynamic(options.places, options.methods, params, session);
 }
 
 void print_section(const Session& session, const std::string& title, const TextTable& table) {
@@ -129,18 +131,34 @@ void add_table(HtmlReport& html, const std::string& title, const TextTable& tabl
   html.table(table.header, table.rows);
 }
 
+struct Picture {
+  std::string name;  ///< of its file, without .svg
+  std::string svg;
+  std::string caption;
+};
+
 /// The whole map, and where it ends: there the error of the whole way shows.
-void add_dynamic_pictures(HtmlReport& html, const DynamicRun& run) {
+std::vector<Picture> pictures_of(const DynamicRun& run) {
+  const std::string name = run.place + "-" + run.method;
   const GridMapImage map = map_of(run.log, run.map_from_robot, run.place);
   MapOverlay overlay{.way = run.map_from_robot, .true_way = run.log.map_from_robot};
-  html.figure(map_picture(map, overlay), fmt::format("{} by {}: {:.2f} m off at the end of {:.0f} m.", run.place,
-                                                     run.method, run.end_distance, run.way));
+  Picture whole{
+      name, map_picture(map, overlay),
+      fmt::format("{} by {}: {:.2f} m off at the end of {:.0f} m.", run.place, run.method, run.end_distance, run.way)};
   const Point2 end = run.log.map_from_robot.back().translation();
   overlay.bounds = svg::Bounds{end - Point2{9, 6}, end + Point2{9, 6}};
-  html.figure(map_picture(map, overlay), fmt::format("{} by {}: the end of the way.", run.place, run.method));
+  return {
+      std::move(whole),
+      {name + "-end", map_picture(map, overlay), fmt::format("{} by {}: the end of the way.", run.place, run.method)}};
 }
 
-std::string report(const Results& results) {
+std::vector<Picture> dynamic_pictures(const std::vector<DynamicRun>& runs) {
+  std::vector<Picture> pictures;
+  for (const DynamicRun& run : runs) { std::ranges::move(pictures_of(run), std::back_inserter(pictures)); }
+  return pictures;
+}
+
+std::string report(const Results& results, const std::vector<Picture>& among_people) {
   HtmlReport html("flirt bench slam");
   html.paragraph(
       "ATE: root mean square after alignment. Relations: component by component, mean ± deviation, of those with both "
@@ -158,8 +176,8 @@ std::string report(const Results& results) {
                   name_of(table.input, row));
     }
   }
-  if (!results.dynamic.empty()) { html.heading("Maps among people"); }
-  for (const DynamicRun& run : results.dynamic) { add_dynamic_pictures(html, run); }
+  if (!among_people.empty()) { html.heading("Maps among people"); }
+  for (const Picture& picture : among_people) { html.figure(picture.svg, picture.caption); }
   return html.text();
 }
 
@@ -187,7 +205,11 @@ int run(BenchSlamOptions& options, const Session& session) {
   const nlohmann::ordered_json json = json_of(options, results, session);
   value_or_quit(write_file_atomically(folder / "runs.csv", runs_csv(results.tables)));
   value_or_quit(write_file_atomically(folder / "summary.json", json_text(json)));
-  value_or_quit(write_file_atomically(folder / "report.html", report(results)));
+  const std::vector<Picture> among_people = dynamic_pictures(results.dynamic);
+  for (const Picture& picture : among_people) {
+    value_or_quit(write_file_atomically(folder / (picture.name + ".svg"), picture.svg));
+  }
+  value_or_quit(write_file_atomically(folder / "report.html", report(results, among_people)));
   write_json(session, json);
   return exit_done;
 }
@@ -210,6 +232,9 @@ void add_bench_slam(CLI::App& bench, Session& session) {
   command->add_option("--every", options->every, "use every K-th scan (default 1)")->check(CLI::Range(1, 1000000));
   command->add_option("--starts", options->starts, "runs without odometry from as many jittered first poses");
   command->add_flag("--dynamic", options->dynamic, "incremental mapping of a simulated station among people");
+  command->add_option("--places", options->places, "of --dynamic: tunnel, station (default: both)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(dynamic_places()));
   command->add_option("--window", options->window, "scans of the sliding window of --dynamic (default 20)")
       ->check(CLI::Range(1U, 1000000U));
   command->add_option("--long", options->long_scans, "scans of a simulated run: latency and memory");

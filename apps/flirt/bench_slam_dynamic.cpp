@@ -77,10 +77,14 @@ nlohmann::ordered_json latency_json(const Latency& latency) {
 
 }  // namespace
 
-std::vector<DynamicRun> run_dynamic(const std::vector<std::string>& methods, const SlamMethods& methods_params,
-                                    const Session& session) {
+std::vector<std::string> dynamic_places() {
+  return {"tunnel", "station"};
+}
+
+std::vector<DynamicRun> run_dynamic(const std::vector<std::string>& places, const std::vector<std::string>& methods,
+                                    const SlamMethods& methods_params, const Session& session) {
   std::vector<DynamicRun> runs;
-  for (const std::string place : {"tunnel", "station"}) {
+  for (const std::string& place : places) {
     const ScanLog log = rush_hour(place, session);
     for (const std::string& method : methods) {
       if (method == "rbpf") { continue; }  // it has no window

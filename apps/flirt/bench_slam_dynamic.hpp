@@ -21,9 +21,11 @@ struct DynamicRun {
   TrajectoryError ate{};
   double cpu_seconds{0};
 };
-/// The navigation paper's two experiments at a station (section 4.2), simulated: each place by each method.
-std::vector<DynamicRun> run_dynamic(const std::vector<std::string>& methods, const SlamMethods& methods_params,
-                                    const Session& session);
+/// The navigation paper's two experiments at a station (section 4.2), simulated.
+std::vector<std::string> dynamic_places();
+/// Each place by each method.
+std::vector<DynamicRun> run_dynamic(const std::vector<std::string>& places, const std::vector<std::string>& methods,
+                                    const SlamMethods& methods_params, const Session& session);
 TextTable dynamic_table(const std::vector<DynamicRun>& runs);
 nlohmann::ordered_json dynamic_json(const std::vector<DynamicRun>& runs);
 

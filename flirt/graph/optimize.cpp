@@ -81,9 +81,10 @@ Outcome by_ceres(PoseGraph& graph, const OptimizeParams& params) {
 Outcome by_toro(PoseGraph& graph, const OptimizeParams& params) {
   Toro toro(graph, params.fixed_node);
   const auto passes = [&](std::uint32_t iterations, const auto& weights) {
-    double late_chi2 = 0;  // when nine tenths of the passes are done
+    const std::uint32_t late = iterations - std::max(1U, iterations / 10);
+    double late_chi2 = 0;  // when nine tenths of the passes are done, or all but one
     for (std::uint32_t n = 0; n < iterations; ++n) {
-      if (n == iterations - iterations / 10) { late_chi2 = chi2(graph); }
+      if (n == late) { late_chi2 = chi2(graph); }
       const double rate = Toro::rate(n, iterations);
       if (toro.pass(weights(), rate) < settled && rate >= 1) { return CeresSolver::Outcome{n + 1, true}; }
     }

@@ -70,7 +70,7 @@ struct OptimizeSummary {
   double initial_chi2{0};  ///< over all edges
   double final_chi2{0};    ///< over all edges that were not rejected
   std::uint32_t iterations{0};
-  bool converged{false};                  ///< at a minimum; toro: the last tenth of its passes changed χ² by ≤ 1 %
+  bool converged{false};  ///< at a minimum; toro: the last tenth of its passes, one at least, changed χ² by ≤ 1 %
   std::vector<std::uint32_t> rejected{};  ///< indices of loop edges with a final weight below one half
   double seconds{0};                      ///< wall clock; the one field that differs from run to run
 };

@@ -6,9 +6,9 @@
 //     if (step.verdict == Verdict::unique) { drive_from(step.map_from_robot); }
 //   }
 //
-// A particle filter (Thrun, Burgard, Fox 2005, ch. 8). The papers' solution set is a sample of p(x | z, m) and so can
-// start it (P1 §4.1); Monte Carlo localization as usually started, with particles all over the map, is there to
-// compare.
+// A particle filter (Thrun, Burgard, Fox 2005, ch. 8). As the papers' solution set is (P1 §4.1), localize()'s
+// hypotheses are a weighted sample of p(x | z, m), and start it; Monte Carlo localization as usually started, with
+// particles all over the map, is there to compare.
 #pragma once
 
 #include "flirt/core/fields.hpp"

@@ -9,9 +9,8 @@ namespace flirt {
 namespace {
 
 RansacParams ransac_params(const FlirtParams& params) {
-  RansacParams ransac;
+  RansacParams ransac = params.ransac;
   ransac.min_inliers = params.min_inliers + 1;
-  ransac.keypoint_deviation = params.keypoint_deviation;
   return ransac;
 }
 
@@ -26,11 +25,10 @@ double mean_squared_distance(std::span<const IndexPair> inliers, const KeypointC
 }
 
 /// Median distance of the query's points from the lines of the reference, m; the largest distance compared when more of
-/// them lie where the reference saw free space. Nothing when too few points can be compared.
-std::optional<double> reprojection_error(const Verification& verified) {
-  constexpr double least_overlap = 0.3;
+/// them lie where the reference saw free space. Nothing when a smaller share than `min_comparable` can be compared.
+std::optional<double> reprojection_error(const Verification& verified, double min_comparable) {
   const double compared = verified.line_points + verified.free_points;
-  if (verified.line_points == 0 || compared < least_overlap * verified.query_points) { return std::nullopt; }
+  if (verified.line_points == 0 || compared < min_comparable * verified.query_points) { return std::nullopt; }
   return verified.free_points > verified.line_points ? VerifyParams{}.line_distance : verified.median_line_residual;
 }
 
@@ -75,8 +73,11 @@ ConstraintMatch ConstraintMatcher::refined(const SlamScan& earlier, const Constr
 std::optional<ConstraintMatch> ConstraintMatcher::verified(const SlamScan& earlier, ConstraintMatch found) const {
   const Pose2 reference_from_query =
       inverse(earlier.scan.robot_from_sensor) * found.earlier_from_robot * query_->scan.robot_from_sensor;
-  const auto there = reprojection_error(verify(query_->scan, earlier.scan, reference_from_query));
-  const auto back = reprojection_error(verify(earlier.scan, query_->scan, inverse(reference_from_query)));
+  const auto error = [&](const Scan& query, const Scan& reference, const Pose2& motion) {
+    return reprojection_error(verify(query, reference, motion), params_.min_comparable);
+  };
+  const auto there = error(query_->scan, earlier.scan, reference_from_query);
+  const auto back = error(earlier.scan, query_->scan, inverse(reference_from_query));
   if (!there || !back) { return std::nullopt; }
   found.scan_error = std::max(*there, *back);
   if (found.scan_error >= params_.max_scan_error) { return std::nullopt; }

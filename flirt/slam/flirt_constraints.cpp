@@ -26,13 +26,14 @@ bool FlirtConstraints::is_loop(std::uint32_t earlier, std::uint32_t node) const 
   return node - earlier >= params_.loop_min_scans && travel_[node] - travel_[earlier] >= params_.loop_min_travel;
 }
 
-std::vector<Closure> FlirtConstraints::add(std::span<const SlamScan> scans, const PoseGraph& graph) {
+std::vector<Closure> FlirtConstraints::add(std::span<const SlamScan> scans, const PoseGraph& graph,
+                                           MotionSource motion) {
   const auto node = static_cast<std::uint32_t>(scans.size() - 1);
   const std::vector<Pose2>& poses = graph.map_from_node;
   travel_.push_back(node == 0 ? 0 : travel_.back() + distance(poses[node - 1], poses[node]));
   std::vector<Closure> closures;
   std::optional<ShortestPaths> paths;
-  std::size_t taken = 1;  // the motion edge
+  std::size_t taken = motion == MotionSource::narrow ? 1 : 0;
   for (const Candidate& candidate : candidates(scans)) {
     if (taken == params_.flirt.best_constraints) { break; }
     const SlamScan& earlier = scans[candidate.node];

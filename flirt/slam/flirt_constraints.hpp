@@ -5,6 +5,7 @@
 #include "flirt/graph/pose_graph.hpp"
 #include "flirt/slam/closure.hpp"
 #include "flirt/slam/constraint_match.hpp"
+#include "flirt/slam/front_end.hpp"
 #include "flirt/slam/slam_params.hpp"
 
 #include <cstdint>
@@ -20,9 +21,10 @@ class FlirtConstraints {
  public:
   explicit FlirtConstraints(const SlamParams& params) : params_(params), matcher_(params.flirt) {}
 
-  /// To be called for every scan that the graph gets, after its motion edge; `scans[i]` belongs to node i. The
-  /// constraint to the scan before is that edge. O(scans · keypoints² + edges log edges).
-  [[nodiscard]] std::vector<Closure> add(std::span<const SlamScan> scans, const PoseGraph& graph);
+  /// To be called for every scan that the graph gets, after its motion edge; `scans[i]` belongs to node i. A motion
+  /// that was matched is the constraint to the scan before, and one of the best. O(scans · keypoints² + edges log
+  /// edges).
+  [[nodiscard]] std::vector<Closure> add(std::span<const SlamScan> scans, const PoseGraph& graph, MotionSource motion);
 
  private:
   struct Candidate {

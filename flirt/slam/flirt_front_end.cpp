@@ -4,9 +4,9 @@ namespace flirt {
 
 ScanMotion FlirtFrontEnd::add(const SlamScan& scan) {
   ScanMotion motion;
-  const bool featureless = scan.features.keypoints.size() < params_.flirt.featureless_below;
+  const bool has_few = scan.features.keypoints.size() < params_.flirt.featureless_below;
   if (!last_) {
-    motion.structure = featureless ? Structure::featureless : Structure::structured;
+    motion.structure = has_few ? Structure::featureless : Structure::structured;
     reckoning_.remember(scan, {});
     last_ = scan;
     return motion;
@@ -22,8 +22,7 @@ ScanMotion FlirtFrontEnd::add(const SlamScan& scan) {
   motion.source = found ? MotionSource::narrow : MotionSource::prediction;
   motion.score = found ? found->inliers : 0;
   motion.unobservable = !found;
-  motion.structure = found ? Structure::structured : Structure::cluttered;
-  if (featureless) { motion.structure = Structure::featureless; }
+  motion.structure = found ? Structure::structured : has_few ? Structure::featureless : Structure::cluttered;
   motion.relative.push_back(relative);
   reckoning_.remember(scan, relative.earlier_from_robot);
   last_ = scan;

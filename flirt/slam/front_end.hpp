@@ -34,7 +34,7 @@ constexpr auto enum_names(MotionSource /*tag*/) {
 enum class Structure : std::uint8_t {
   unknown,      ///< not looked at
   structured,   ///< keypoints, and they agree with other scans
-  featureless,  ///< few keypoints
+  featureless,  ///< few keypoints, and they do not agree
   cluttered,    ///< many keypoints of which few agree with the scan before: clutter, or no plane world
 };
 constexpr auto enum_names(Structure /*tag*/) {

@@ -96,10 +96,17 @@ struct Slam::State {
     }
   }
 
+  [[nodiscard]] std::vector<Closure> earlier_visits() {
+    if (auto* constraints = std::get_if<FlirtConstraints>(&loops)) {
+      return constraints->add(scans, graph, steps.back().source);
+    }
+    return std::get<LoopCloser>(loops).add(scans, graph);
+  }
+
   /// Looks for earlier visits; the number found.
   std::uint32_t close_loops() {
     auto begin = Clock::now();
-    const std::vector<Closure> closures = std::visit([&](auto& finder) { return finder.add(scans, graph); }, loops);
+    const std::vector<Closure> closures = earlier_visits();
     summary.seconds.loops += seconds_since(begin);
     std::uint32_t found = 0;
     for (const Closure& closure : closures) {

@@ -19,7 +19,7 @@ namespace flirt {
 enum class FrontEndKind : std::uint8_t {
   automatic,  ///< `scan`, helped by keypoints where it is not sure, and loops closed anywhere in the map
   scan,       ///< the whole scan against the accumulated map of the last metres, loops closed in a window
-  flirt,      ///< the papers' algorithm 1 as printed: keypoints alone, against all scans of the map
+  flirt,      ///< the papers' algorithm 1: keypoints alone, against all scans of the map
   olson,      ///< correlative search against the scan before alone, for comparison
   icp,        ///< points drawn onto lines of the scan before alone, for comparison
 };

@@ -39,3 +39,7 @@ FIGURE_2_CLAIM = {
     "convex corner": "all scales",
     "obtuse concave corner": "scales 1 and 2",
 }
+CROWD_CLAIMS = {  # P1 Fig. 9 and 10 are pictures without numbers
+    "tunnel": "Fig. 9: accurate by FLIRT, far better than by ICP",
+    "station": "Fig. 10: largely consistent by FLIRT, clearly more precise than by ICP",
+}

@@ -19,20 +19,21 @@ class Size:
     partners: int  # scans a location and level of overlap; 0: all
     ablation_every: int  # 0: no ablations
     area: int  # m², of simulated buildings
-    mapping: bool  # maps of whole logs
+    particles: int  # of the rival of Table 2
+    places: str  # of the simulated station among people
     arena_queries: int  # a log; 0: no arena
 
     @staticmethod
     def full() -> "Size":
-        return Size("full", 1, 0, 300, 0, 1, 1200, True, 100)
+        return Size("full", 1, 0, 300, 0, 1, 1200, 50, "tunnel,station", 100)
 
     @staticmethod
     def quick() -> "Size":
-        return Size("quick", 12, 0, 0, 5, 6, 600, True, 10)
+        return Size("quick", 12, 0, 0, 5, 6, 600, 4, "tunnel", 10)
 
     @staticmethod
     def smallest() -> "Size":
-        return Size("smallest", 20, 2, 0, 1, 0, 200, True, 2)
+        return Size("smallest", 20, 2, 0, 1, 0, 200, 4, "tunnel", 2)
 
 
 class Program:
@@ -44,10 +45,6 @@ class Program:
         self.common = ["--seed", str(seed), "--threads", str(threads), "--quiet"]
         self.seed = seed
         self.history: list[tuple[str, float]] = []
-
-    def has_bench(self, name: str) -> bool:
-        listing = subprocess.run([self.executable, "bench", "--help"], capture_output=True, text=True, check=True).stdout
-        return any(line.split()[:1] == [name] for line in listing.splitlines())
 
     def version(self) -> str:
         return subprocess.run([self.executable, "--version"], capture_output=True, text=True, check=True).stdout.strip()

@@ -90,6 +90,19 @@ TEST(Optimize, BackendsAgreeOnANoisyGraph) {
   EXPECT_LT(worst_position(by_ceres, known.truth), worst_position(known.graph, known.truth) / 4);
 }
 
+TEST(Optimize, AFewPassesOfToroCanBeTheLast) {
+  // Two ways from the first pose to the third, 0.1 m apart.
+  const PoseGraph triangle{.map_from_node = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}},
+                           .edges = {{.a = 0, .b = 1, .a_from_b = {1, 0, 0}},
+                                     {.a = 1, .b = 2, .a_from_b = {1, 0, 0}},
+                                     {.a = 0, .b = 2, .a_from_b = {2.1, 0, 0}, .kind = EdgeKind::loop}}};
+  PoseGraph settled = triangle;
+  EXPECT_TRUE(optimize(settled, {.backend = Backend::toro, .iterations = 9}).converged);
+  PoseGraph begun = triangle;
+  begun.map_from_node[2] = {5, 4, 1};
+  EXPECT_FALSE(optimize(begun, {.backend = Backend::toro, .iterations = 1}).converged);
+}
+
 TEST(Optimize, CeresEndsWherePlainGaussNewtonDoes) {
   const KnownGraph known = rounds(2, {0.02, 0.01}, 2);
   PoseGraph sparse = known.graph;

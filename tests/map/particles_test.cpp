@@ -1,5 +1,10 @@
 #include "flirt/map/particles.hpp"
 
+#include "flirt/features/extract.hpp"
+#include "flirt/map/solution_set.hpp"
+
+#include "tests/support/room_map.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -88,6 +93,62 @@ TEST(Particles, ClustersAreTheHeapsHeaviestFirst) {
   EXPECT_NEAR(clusters[0].covariance(2, 2), std::pow(3.14159 - 3.1, 2), 1e-4);
   EXPECT_NEAR(clusters[1].share, 0.3, 1e-9);
   EXPECT_NEAR(clusters[1].map_from_robot.y, 0.0245, 1e-9);
+}
+
+/// The papers' sample of p(x | z, m): poses of matches, weighted by 1 / residual (P1 §3.1).
+std::vector<PoseHypothesis> papers_sample(SolutionSetFinder& finder, const Scan& scan) {
+  std::vector<PoseHypothesis> sample;
+  for (const Hypothesis& found : finder.find(extract(scan)).hypotheses) {
+    sample.push_back(
+        {.map_from_sensor = found.map_from_sensor, .covariance = found.covariance, .weight = found.weight});
+  }
+  return sample;
+}
+
+/// log of the sample's density at a pose, kernels of 0.2 m and 0.1 rad, and a floor for what no match says.
+double log_density(const std::vector<PoseHypothesis>& sample, const Pose2& map_from_sensor) {
+  double density = 1e-3;
+  for (const PoseHypothesis& at : sample) {
+    const double off = distance(at.map_from_sensor, map_from_sensor) / 0.2;
+    const double turned = heading_difference(at.map_from_sensor, map_from_sensor) / 0.1;
+    density += at.weight * std::exp(-(off * off + turned * turned) / 2);
+  }
+  return std::log(density);
+}
+
+TEST(Particles, ThePapersSolutionSetStartsAFilterAndLeadsIt) {
+  // A second room with fewer things in it: one scan leaves it open which of the two it is.
+  const Pose2 map_from_other{30, 5, 1.2};
+  Scene other = furnished_room();
+  other.resize(other.size() - 12);
+  std::vector<Pose2> poses = poses_around(1.2, 6);
+  for (const Pose2& pose : poses_around(1.2, 6)) { poses.push_back(map_from_other * pose); }
+  SolutionSetFinder finder(
+      build_place_map(log_of(joined(furnished_room(), moved(other, map_from_other)), poses)).value());
+  const Pose2 step{0.3, 0, 0.4};
+  Pose2 truth{-0.9, -0.8, 0.1};
+  Rng rng(2);
+  std::vector<Particle> particles = drawn_from(papers_sample(finder, room_scan(truth)), {}, 200, 0.05, 0.03, rng);
+  const auto share_near = [&] {
+    double share = 0;
+    for (const Particle& particle : particles) {
+      share += is_near(particle.map_from_robot, truth, 0.5, 0.3) ? particle.weight : 0;
+    }
+    return share;
+  };
+  EXPECT_GT(share_near(), 0.2);
+  EXPECT_LT(share_near(), 0.9);
+  for (int i = 0; i < 4; ++i) {
+    truth = truth * step;
+    move_particles(particles, step, {}, rng);
+    const auto sample = papers_sample(finder, room_scan(truth));
+    for (Particle& particle : particles) { particle.score = log_density(sample, particle.map_from_robot); }
+    weigh(particles, 1);
+    particles = resampled(particles, particles.size(), rng);
+  }
+  const TrackCluster best = clusters_of(particles, 0.5, 0.3, 1).front();
+  EXPECT_GT(best.share, 0.9);
+  EXPECT_LT(distance(best.map_from_robot, truth), 0.1);
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 namespace flirt {
 namespace {
 
@@ -37,6 +39,32 @@ TEST(Flirt, KeypointsAloneMapABuilding) {
   const Counted loops = counted(slam, log, EdgeKind::loop);
   EXPECT_GT(loops.edges, 100U);
   EXPECT_EQ(loops.wrong, 0U);
+}
+
+TEST(Flirt, ByThePapersOwnChoicesToo) {
+  const ScanLog& log = short_drive();
+  SlamParams params{.front_end = FrontEndKind::flirt, .backend = Backend::toro};
+  params.flirt.ransac = {.sampling = Sampling::random, .max_turn_difference = std::numbers::pi};
+  Slam slam(params);
+  for (const Scan& scan : log.scans) { slam.add(scan); }
+  slam.finish();
+  EXPECT_LT(error_of(slam.graph().map_from_node, log.map_from_robot), 0.1);
+  const Counted loops = counted(slam, log, EdgeKind::loop);
+  EXPECT_GT(loops.edges, 50U);
+  EXPECT_EQ(loops.wrong, 0U);
+}
+
+TEST(Flirt, IcpMakesTheMapOfABuildingMoreAccurate) {
+  const ScanLog& log = short_drive();
+  const auto error_with = [&](FlirtRefinement refinement) {
+    SlamParams params{.front_end = FrontEndKind::flirt};
+    params.flirt.refinement = refinement;
+    Slam slam(params);
+    for (const Scan& scan : log.scans) { slam.add(scan); }
+    slam.finish();
+    return error_of(slam.graph().map_from_node, log.map_from_robot);
+  };
+  EXPECT_LT(error_with(FlirtRefinement::icp), 0.7 * error_with(FlirtRefinement::off));
 }
 
 TEST(Flirt, PeopleWhoWalkOnDoNotVetoAMotion) {
