@@ -123,8 +123,9 @@ void EvidenceGrid::count_beams(const Scan& scan, const Pose2& map_from_sensor) {
       tile.counts += full ? 0 : 1;
     } else {
       FLIRT_ASSERT(value > 0);
-      --value;
-      --tile.counts;
+      const bool full = value == std::numeric_limits<std::uint16_t>::max();  // how many it lost nobody knows
+      value = static_cast<std::uint16_t>(value - (full ? 0 : 1));
+      tile.counts -= full ? 0 : 1;
     }
   };
   const auto cell_of = [](Tile& tile, std::int32_t x, std::int32_t y) -> EvidenceCell& {

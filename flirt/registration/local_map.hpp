@@ -60,7 +60,7 @@ struct Agreed {
 
 /// End points of scans as moments in cells of 0.1 m, how near the next of them is, and how often beams passed cells of
 /// 0.05 m. Work and memory go with what the scans saw, not with the extent of the map; the map may be anywhere, but
-/// what it holds at one time must lie within 100 m. Not for use from several threads.
+/// what it holds at one time must lie within 200 m. Not for use from several threads.
 class LocalMap {
  public:
   static constexpr double cell_size = 0.1;  ///< m
@@ -85,7 +85,7 @@ class LocalMap {
   /// Values of cells (x, y), (x + 1, y), … for `row_length` cells: `largest` on end points, falling to 0 at 0.3 m.
   [[nodiscard]] const std::uint8_t* row(CellIndex first) const { return values() + row_begin(first); }
   static constexpr std::int32_t row_length = 32;
-  static constexpr std::int32_t value_period = 1024;  ///< cells after which the place of values repeats
+  static constexpr std::int32_t value_period = 2048;  ///< cells after which the place of values repeats
   /// The same in two steps: where all values lie, and where among them a row begins.
   [[nodiscard]] const std::uint8_t* values() const { return values_.data(); }
   static constexpr std::int32_t row_begin(CellIndex first) {

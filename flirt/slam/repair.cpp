@@ -94,10 +94,10 @@ void replace_edges(PoseGraph& graph, std::uint32_t node, std::span<const std::ui
 
 }  // namespace
 
-std::size_t repair(PoseGraph& graph, std::span<const SlamScan> scans, std::span<const std::uint32_t> suspects,
-                   const SlamParams& params) {
+std::vector<std::uint32_t> repair(PoseGraph& graph, std::span<const SlamScan> scans,
+                                  std::span<const std::uint32_t> suspects, const SlamParams& params) {
   constexpr std::size_t edges = 3;
-  std::size_t moved = 0;
+  std::vector<std::uint32_t> moved;
   RollingMap rolling;
   for (const std::uint32_t node : suspects) {
     if (node == 0) { continue; }  // the frame of the map
@@ -111,7 +111,7 @@ std::size_t repair(PoseGraph& graph, std::span<const SlamScan> scans, std::span<
     if (!holds(hold_of(std::span(&points, 1), map, better->map_from_robot), params)) { continue; }
     replace_edges(graph, node, std::span(near).first(edges), *better, params);
     graph.map_from_node[node] = better->map_from_robot;
-    ++moved;
+    moved.push_back(node);
   }
   return moved;
 }

@@ -158,7 +158,8 @@ struct Slam::State {
   [[nodiscard]] std::size_t pieces() const {
     Parts parts(graph.map_from_node.size());
     for (const PoseEdge& edge : graph.edges) {
-      const bool is_unseen = edge.kind == EdgeKind::motion && edge.b >= joined && steps[edge.b - joined].unobservable;
+      const bool is_unseen = edge.kind == EdgeKind::motion && edge.b >= joined && steps[edge.b - joined].unobservable &&
+                             !std::ranges::binary_search(repaired, edge.b);  // its edges are to where it was found
       if (!is_unseen) { parts.join(edge.a, edge.b); }
     }
     return parts.count();
@@ -194,8 +195,9 @@ struct Slam::State {
   std::vector<SlamScan> scans{};
   PoseGraph graph{};
   std::vector<SlamStep> steps{};
-  std::uint32_t tied{0};    ///< newest node when closures last moved the poses
-  std::uint32_t joined{0};  ///< nodes of an earlier map, before those of `steps`
+  std::vector<std::uint32_t> repaired{};  ///< nodes, in order
+  std::uint32_t tied{0};                  ///< newest node when closures last moved the poses
+  std::uint32_t joined{0};                ///< nodes of an earlier map, before those of `steps`
   SlamSummary summary{};
 };
 
@@ -257,8 +259,9 @@ void Slam::finish() {
   const auto begin = Clock::now();
   const std::vector<SurfacePoints> points = s.fine_points();
   PolishSummary polished = polish(s.graph, points, s.params);
-  s.summary.repaired = s.params.polish_rounds == 0 ? 0 : repair(s.graph, s.scans, s.suspects(polished.fit), s.params);
-  if (s.summary.repaired > 0) {
+  if (s.params.polish_rounds > 0) { s.repaired = repair(s.graph, s.scans, s.suspects(polished.fit), s.params); }
+  s.summary.repaired = s.repaired.size();
+  if (!s.repaired.empty()) {
     SlamParams again = s.params;
     again.polish_rounds = std::min(again.polish_rounds, 2U);  // only few scans have yet to settle
     polished = polish(s.graph, points, again);

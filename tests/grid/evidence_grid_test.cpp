@@ -65,6 +65,20 @@ TEST(EvidenceGrid, RemovingRestoresItBitForBit) {
   EXPECT_EQ(grid.bytes(), 0U);
 }
 
+TEST(EvidenceGrid, TakesNothingBackFromACellThatIsFull) {
+  Rng rng(9);
+  const Scan scan = random_scan(rng, 181);
+  const CellIndex own{0, 0};  // that of the sensor, which every beam passes
+  EvidenceGrid grid;
+  std::size_t added = 0;
+  for (; grid.lost_counts() == 0; ++added) { grid.add(scan, {0.02, 0.02, 0}); }
+  for (std::size_t i = 0; i < added; ++i) { grid.remove(scan, {0.02, 0.02, 0}); }
+  EvidenceGrid expected;
+  expected.count(own, {0, 65535});
+  EXPECT_EQ(grid.cell(own).passes, 65535);
+  EXPECT_EQ(grid.save_tiles().cells, expected.save_tiles().cells);
+}
+
 TEST(EvidenceGrid, DoesNotDependOnTheOrderOfScans) {
   Rng rng(8);
   EvidenceGrid forward;
