@@ -46,9 +46,10 @@ namespace flirt {
 [[nodiscard]] Result<LoadedLog> read_carmen(LineReader& lines, const ReadOptions& options = {},
                                             const Progress& progress = {});
 
-/// The log as CARMEN text: per scan an ODOM line where it has odometry, and a ROBOTLASER1 line with the odometry, else
-/// with the log's pose. Poses of the log are kept as TRUEPOS beside odometry that differs, as VERTEX2 without odometry.
-/// Logs in which some scan has neither are written as RAWLASER1. Numbers are written so that they read back the same;
+/// The log as CARMEN text: per scan an ODOM line with the odometry, and a ROBOTLASER1 line with the odometry, else with
+/// the log's pose. Poses of the log are kept as TRUEPOS beside odometry that differs, as VERTEX2 without odometry.
+/// Odometry that only some scans have is left out: the format has no place for it. Logs with neither are written as
+/// RAWLASER1. Numbers are written so that they read back the same;
 /// Beams::range_min has no place in the format. Error: RAWLASER1 cannot tell where the laser sits beyond an offset
 /// ahead.
 [[nodiscard]] Result<std::string> to_carmen(const ScanLog& log);
