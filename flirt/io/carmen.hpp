@@ -17,7 +17,8 @@
 //  - FLASER with two equal poses throughout: odometry, logged twice;
 //  - FLASER with its poses one constant motion apart: odometry, and the motion is where the laser sits;
 //  - other FLASER: the first pose is corrected, the second is odometry.
-// In a corrected log whose two poses are equal, the second is no odometry and is left out.
+// In a corrected log whose two poses are equal, or one constant motion apart, the second is no odometry and is left
+// out.
 //
 // The laser on the robot: ROBOTLASER says where; for the others PARAM robot_frontlaser_offset (robot_rearlaser_offset
 // for RLASER, which looks backwards) does, else it sits at the robot's origin.

@@ -89,12 +89,15 @@ PoseSource place_flaser(const Gathered& gathered, ScanLog& log, LogReport& repor
     for (std::size_t i = 0; i < log.scans.size(); ++i) { log.scans[i].odom_from_robot = log.map_from_robot[i]; }
     return PoseSource::odometry;
   }
-  state_odometry(gathered, log);
   if (const auto robot_from_sensor = constant_motion(gathered.scans)) {
     mount(*robot_from_sensor, log.scans);
     state_poses_by_robot(gathered, log);
+    report.odometry_repeats_pose = gathered.is_corrected;
+    if (gathered.is_corrected) { return PoseSource::corrected; }
+    state_odometry(gathered, log);
     return PoseSource::odometry;
   }
+  state_odometry(gathered, log);
   state_poses_by_laser(gathered, log);
   return PoseSource::corrected_and_odometry;
 }

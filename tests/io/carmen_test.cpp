@@ -191,6 +191,20 @@ TEST(Carmen, FindsTheLaserFromAConstantMotionBetweenBothPoses) {
   expect_pose(loaded.log.map_from_robot[29], *loaded.log.scans[29].odom_from_robot);
 }
 
+TEST(Carmen, TakesPosesOneConstantMotionApartForCorrectedWhenTheLogIs) {
+  std::string text("NEFF 30\n");
+  for (int i = 0; i < 30; ++i) {
+    const std::string y = std::to_string(0.1 * i);
+    text += flaser(180, "0.2 " + y + " 0 0 " + y + " 0");
+  }
+  const LoadedLog loaded = read_text(text).value();
+  EXPECT_EQ(loaded.report.poses, PoseSource::corrected);
+  EXPECT_TRUE(loaded.report.odometry_repeats_pose);
+  EXPECT_NEAR(loaded.log.scans[9].robot_from_sensor.x, 0.2, 1e-5);
+  EXPECT_NEAR(loaded.log.map_from_robot[9].y, 0.9, 1e-9);
+  for (const Scan& scan : loaded.log.scans) { EXPECT_FALSE(scan.odom_from_robot); }
+}
+
 TEST(Carmen, GivesRawlaserTheOdometryOfItsStampOrTheLastBefore) {
   const std::string text = rawlaser("1") +  // none yet
                            "ODOM 1 0 0 0 0 0 2.0 host 0\n" + rawlaser("2.5") + rawlaser("3.0") +
