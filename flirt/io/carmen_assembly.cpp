@@ -175,6 +175,14 @@ int most_digits(const std::vector<ScanLine>& lines) {
   return digits;
 }
 
+/// Whether programs that write 6 digits have cut the tenths of seconds, and more, off long stamps.
+bool are_rounded(const std::vector<ScanLine>& lines) {
+  constexpr int digits_by_default = 6;
+  constexpr double without_tenths = 1e5;  // s, from there on
+  return most_digits(lines) <= digits_by_default &&
+         std::ranges::any_of(lines, [](const ScanLine& line) { return std::abs(line.stamp) >= without_tenths; });
+}
+
 }  // namespace
 
 ScanLog assemble(Gathered gathered, std::optional<double> range_max, LogReport& report) {
@@ -187,6 +195,7 @@ ScanLog assemble(Gathered gathered, std::optional<double> range_max, LogReport& 
   report.range_max_source = settle_range_max(range_max, log.scans);
   describe_stamps(log.scans, report);
   report.stamp_digits = most_digits(gathered.scans);
+  report.stamps_rounded = are_rounded(gathered.scans);
   return log;
 }
 

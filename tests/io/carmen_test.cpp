@@ -15,8 +15,10 @@
 namespace flirt {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 using testing::Pair;
 using testing::UnorderedElementsAre;
 
@@ -254,7 +256,22 @@ TEST(Carmen, NotesConstantAndRoundedStamps) {
       read_text(flaser(1, "0 0 0 0 0 0", "1.07108e+09") + flaser(1, "1 0 0 1 0 0", "1.07108e+09")).value();
   EXPECT_TRUE(loaded.report.stamps_constant);
   EXPECT_EQ(loaded.report.stamp_digits, 6);
+  EXPECT_THAT(observations(loaded.report), testing::Contains(HasSubstr("written with 6 digits at most")));
   EXPECT_FALSE(read_text(flaser(1)).value().report.stamps_constant);
+}
+
+TEST(Carmen, TakesShortStampsForRoundedOnlyWhereDigitsWentMissing) {
+  const auto note = HasSubstr("they are rounded");
+  const auto read = [](std::string_view first, std::string_view second) {
+    return observations(read_text(flaser(1, "0 0 0 0 0 0", first) + flaser(1, "1 0 0 1 0 0", second)).value().report);
+  };
+  EXPECT_THAT(read("667.5", "667.6"), Not(Contains(note)));
+  EXPECT_THAT(read("0", "1"), Not(Contains(note)));
+  EXPECT_THAT(read("9999.95", "9999.99"), Not(Contains(note)));
+  EXPECT_THAT(read("1071078718.46", "1071078718.96"), Not(Contains(note)));
+  EXPECT_THAT(read("1.07108e+09", "1.07109e+09"), Contains(note));
+  EXPECT_THAT(read("99999.9", "100000"), Contains(note));
+  EXPECT_THAT(read("123456", "123457"), Contains(note));
 }
 
 // --- Lines of other kinds --------------------------------------------------------------------------------------------
