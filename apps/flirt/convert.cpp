@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -175,6 +176,10 @@ void write_log(const ConvertOptions& options, Content& content) {
   const auto has_range_min = [](const Scan& scan) { return scan.beams.range_min > 0; };
   lose(content, std::any_of(content.log->scans.begin(), content.log->scans.end(), has_range_min),
        "the shortest valid range");
+  const auto has_odometry = [](const Scan& scan) { return scan.odom_from_robot.has_value(); };
+  const auto scans = static_cast<std::ptrdiff_t>(content.log->scans.size());
+  const std::ptrdiff_t with = std::ranges::count_if(content.log->scans, has_odometry);
+  lose(content, with > 0 && with < scans, fmt::format("the odometry, which only {} of {} scans have", with, scans));
   if (auto written = write_carmen(options.out, *content.log); !written) { throw BadInput(written.error().message); }
 }
 

@@ -72,6 +72,7 @@ std::vector<Point2> return_points(const Scan& scan, const RevisitParams& params)
   std::vector<Point2> points;
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     const double range = scan.ranges[i];
+    if (classify(range, scan.beams) != Reading::hit) { continue; }
     if (range > params.return_min && range < params.return_max) {
       points.push_back({range * std::cos(scan.beams.angle(i)), range * std::sin(scan.beams.angle(i))});
     }

@@ -17,8 +17,8 @@ struct RevisitParams {
   double overlap{0.5};      ///< share of the query's points that a map scan must see, too
   double tolerance{0.1};    ///< m, between two points that count as the same
   double returns{0.5};      ///< share of the query's beams that must have a return
-  double return_min{0.05};  ///< m, shorter readings are no returns
-  double return_max{50.0};  ///< m, longer readings are no returns
+  double return_min{0.05};  ///< m, shorter hits (Reading::hit) are no returns
+  double return_max{50.0};  ///< m, longer hits are no returns
 };
 
 /// Path length from the first scan to each, over the sensor's positions, m.

@@ -20,12 +20,12 @@ class StampIndex {
       return poses[a].stamp != poses[b].stamp ? poses[a].stamp < poses[b].stamp : a < b;
     });
   }
-  /// The next pose with the same stamp that `taken` does not hold, in order of the trajectory.
-  [[nodiscard]] std::optional<std::size_t> first_free(std::size_t i, const std::vector<bool>& taken) const {
-    auto place = at_or_after(poses_[i].stamp);
-    while (place != by_stamp_.end() && poses_[*place].stamp == poses_[i].stamp && taken[*place]) { ++place; }
-    if (place == by_stamp_.end() || poses_[*place].stamp != poses_[i].stamp) { return std::nullopt; }
-    return *place;
+  /// Number `k`, from 0, of the poses with the stamp of pose i, in order of the trajectory.
+  [[nodiscard]] std::optional<std::size_t> of_equals(std::size_t i, std::size_t k) const {
+    const auto first = at_or_after(poses_[i].stamp);
+    if (k >= static_cast<std::size_t>(by_stamp_.end() - first)) { return std::nullopt; }
+    const std::size_t found = *(first + static_cast<std::ptrdiff_t>(k));
+    return poses_[found].stamp == poses_[i].stamp ? std::optional(found) : std::nullopt;
   }
   /// Index of the nearest pose within `tolerance`, of equals the first in order of the trajectory.
   [[nodiscard]] std::optional<std::size_t> nearest(double stamp, double tolerance) const {
@@ -52,21 +52,22 @@ class StampIndex {
 /// Poses of a trajectory, each given away once.
 class Partners {
  public:
-  explicit Partners(std::span<const StampedPose> poses) : poses_(poses), index_(poses), taken_(poses.size(), false) {}
+  explicit Partners(std::span<const StampedPose> poses) : poses_(poses), index_(poses), given_(poses.size(), 0) {}
 
   /// The nearest within `tolerance`; where stamps repeat, the next in order.
   std::optional<Pose2> take(double stamp, double tolerance) {
-    std::optional<std::size_t> partner = index_.nearest(stamp, tolerance);
-    if (partner) { partner = index_.first_free(*partner, taken_); }
+    const std::optional<std::size_t> first = index_.nearest(stamp, tolerance);
+    if (!first) { return std::nullopt; }
+    const std::optional<std::size_t> partner = index_.of_equals(*first, given_[*first]);
     if (!partner) { return std::nullopt; }
-    taken_[*partner] = true;
+    ++given_[*first];
     return poses_[*partner].map_from_robot;
   }
 
  private:
   std::span<const StampedPose> poses_;
   StampIndex index_;
-  std::vector<bool> taken_;
+  std::vector<std::size_t> given_;  ///< by the first of the poses with a stamp: how many of them
 };
 
 /// Translations and turns that become a TrajectoryError.

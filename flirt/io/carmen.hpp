@@ -17,7 +17,8 @@
 //  - FLASER with two equal poses throughout: odometry, logged twice;
 //  - FLASER with its poses one constant motion apart: odometry, and the motion is where the laser sits;
 //  - other FLASER: the first pose is corrected, the second is odometry.
-// In a corrected log whose two poses are equal, the second is no odometry and is left out.
+// In a corrected log whose two poses are equal, or one constant motion apart, the second is no odometry and is left
+// out.
 //
 // The laser on the robot: ROBOTLASER says where; for the others PARAM robot_frontlaser_offset (robot_rearlaser_offset
 // for RLASER, which looks backwards) does, else it sits at the robot's origin.
@@ -46,9 +47,10 @@ namespace flirt {
 [[nodiscard]] Result<LoadedLog> read_carmen(LineReader& lines, const ReadOptions& options = {},
                                             const Progress& progress = {});
 
-/// The log as CARMEN text: per scan an ODOM line where it has odometry, and a ROBOTLASER1 line with the odometry, else
-/// with the log's pose. Poses of the log are kept as TRUEPOS beside odometry that differs, as VERTEX2 without odometry.
-/// Logs in which some scan has neither are written as RAWLASER1. Numbers are written so that they read back the same;
+/// The log as CARMEN text: per scan an ODOM line with the odometry, and a ROBOTLASER1 line with the odometry, else with
+/// the log's pose. Poses of the log are kept as TRUEPOS beside odometry that differs, as VERTEX2 without odometry.
+/// Odometry that only some scans have is left out: the format has no place for it. Logs with neither are written as
+/// RAWLASER1. Numbers are written so that they read back the same;
 /// Beams::range_min has no place in the format. Error: RAWLASER1 cannot tell where the laser sits beyond an offset
 /// ahead.
 [[nodiscard]] Result<std::string> to_carmen(const ScanLog& log);

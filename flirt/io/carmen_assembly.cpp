@@ -89,12 +89,15 @@ PoseSource place_flaser(const Gathered& gathered, ScanLog& log, LogReport& repor
     for (std::size_t i = 0; i < log.scans.size(); ++i) { log.scans[i].odom_from_robot = log.map_from_robot[i]; }
     return PoseSource::odometry;
   }
-  state_odometry(gathered, log);
   if (const auto robot_from_sensor = constant_motion(gathered.scans)) {
     mount(*robot_from_sensor, log.scans);
     state_poses_by_robot(gathered, log);
+    report.odometry_repeats_pose = gathered.is_corrected;
+    if (gathered.is_corrected) { return PoseSource::corrected; }
+    state_odometry(gathered, log);
     return PoseSource::odometry;
   }
+  state_odometry(gathered, log);
   state_poses_by_laser(gathered, log);
   return PoseSource::corrected_and_odometry;
 }
@@ -172,6 +175,14 @@ int most_digits(const std::vector<ScanLine>& lines) {
   return digits;
 }
 
+/// Whether programs that write 6 digits have cut the tenths of seconds, and more, off long stamps.
+bool are_rounded(const std::vector<ScanLine>& lines) {
+  constexpr int digits_by_default = 6;
+  constexpr double without_tenths = 1e5;  // s, from there on
+  return most_digits(lines) <= digits_by_default &&
+         std::ranges::any_of(lines, [](const ScanLine& line) { return std::abs(line.stamp) >= without_tenths; });
+}
+
 }  // namespace
 
 ScanLog assemble(Gathered gathered, std::optional<double> range_max, LogReport& report) {
@@ -184,6 +195,7 @@ ScanLog assemble(Gathered gathered, std::optional<double> range_max, LogReport& 
   report.range_max_source = settle_range_max(range_max, log.scans);
   describe_stamps(log.scans, report);
   report.stamp_digits = most_digits(gathered.scans);
+  report.stamps_rounded = are_rounded(gathered.scans);
   return log;
 }
 

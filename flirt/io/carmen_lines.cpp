@@ -1,5 +1,6 @@
 #include "flirt/io/carmen_lines.hpp"
 
+#include "flirt/io/log_oddities.hpp"
 #include "flirt/io/text.hpp"
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 namespace flirt::carmen {
 namespace {
@@ -78,6 +80,10 @@ class FieldReader {
       complaint_ = "expected " + std::string(what) + std::string(name) + ", found " + in_quotes(found);
     }
   }
+  /// A whole sentence, or nothing.
+  void complain(std::string sentence) {
+    if (complaint_.empty()) { complaint_ = std::move(sentence); }
+  }
   [[nodiscard]] const std::string& complaint() const { return complaint_; }
 
  private:
@@ -127,9 +133,7 @@ void read_configured_ranges(FieldReader& fields, ScanLine& line) {
   fields.number("the accuracy");
   fields.number("the remission mode");
   line.ranges = read_ranges(fields);
-  if (line.ranges.size() > 1 && line.beams.angle_step == 0) {
-    fields.complain("an angular step other than ", "0", "0");
-  }
+  fields.complain(wrong_angles(line.beams, line.ranges.size()));
   fields.skip_numbers(fields.count("remissions"), "a remission");
 }
 

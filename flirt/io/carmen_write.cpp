@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <optional>
 
 namespace flirt {
 namespace {
@@ -64,11 +65,10 @@ bool has_other_poses(const ScanLog& log) {
   return false;
 }
 
-/// The pose that the log states beside its odometry, so that it is not lost.
-void write_stated_pose(std::string& text, const ScanLog& log, std::size_t i) {
-  const Scan& scan = log.scans[i];
+/// The pose that the log states beside its odometry, if that is written, so that it is not lost.
+void write_stated_pose(std::string& text, const ScanLog& log, std::size_t i, const std::optional<Pose2>& odometry) {
   const Pose2& map_from_robot = log.map_from_robot[i];
-  if (!scan.odom_from_robot) {
+  if (!odometry) {
     LineWriter line(text, "VERTEX2");
     line.count(i);
     line.pose(map_from_robot);
@@ -76,14 +76,13 @@ void write_stated_pose(std::string& text, const ScanLog& log, std::size_t i) {
   } else {
     LineWriter line(text, "TRUEPOS");
     line.pose(map_from_robot);
-    line.pose(*scan.odom_from_robot);
-    line.finish(scan.stamp, log.scans.front().stamp);
+    line.pose(*odometry);
+    line.finish(log.scans[i].stamp, log.scans.front().stamp);
   }
 }
 
-void write_robotlaser(std::string& text, const ScanLog& log, std::size_t i) {
+void write_robotlaser(std::string& text, const ScanLog& log, std::size_t i, const Pose2& world_from_robot) {
   const Scan& scan = log.scans[i];
-  const Pose2 world_from_robot = scan.odom_from_robot ? *scan.odom_from_robot : log.map_from_robot[i];
   LineWriter line(text, "ROBOTLASER1");
   write_readings(line, scan);
   line.pose(world_from_robot * scan.robot_from_sensor);
@@ -122,8 +121,8 @@ Result<std::string> to_carmen(const ScanLog& log) {
   std::string text(
       "# CARMEN log; ROBOTLASER1 type start fov step max accuracy remission_mode n ranges m remissions laser_pose "
       "robot_pose tv rv forward_safety side_safety turn_axis stamp host logger_stamp\n");
-  const bool has_odometry = std::all_of(log.scans.begin(), log.scans.end(),
-                                        [](const Scan& scan) { return scan.odom_from_robot.has_value(); });
+  const bool has_odometry =
+      std::ranges::all_of(log.scans, [](const Scan& scan) { return scan.odom_from_robot.has_value(); });
   const bool has_poses = has_odometry || !log.map_from_robot.empty();
   if (!has_poses) {
     if (auto good = write_mounting(text, log); !good) { return tl::unexpected(good.error()); }
@@ -131,10 +130,11 @@ Result<std::string> to_carmen(const ScanLog& log) {
   const bool keeps_poses = has_other_poses(log);
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
     const Scan& scan = log.scans[i];
-    if (keeps_poses) { write_stated_pose(text, log, i); }
-    if (scan.odom_from_robot) { write_odometry(text, *scan.odom_from_robot, scan.stamp, log.scans.front().stamp); }
+    const std::optional<Pose2> odometry = has_odometry ? scan.odom_from_robot : std::nullopt;
+    if (keeps_poses) { write_stated_pose(text, log, i, odometry); }
+    if (odometry) { write_odometry(text, *odometry, scan.stamp, log.scans.front().stamp); }
     if (has_poses) {
-      write_robotlaser(text, log, i);
+      write_robotlaser(text, log, i, odometry ? *odometry : log.map_from_robot[i]);
     } else {
       write_rawlaser(text, log, i);
     }

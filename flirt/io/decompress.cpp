@@ -29,6 +29,12 @@ class Bz2 {
   static constexpr std::string_view name = "bz2";
   Bz2() : is_ready_(BZ2_bzDecompressInit(&stream_, 0, 0) == BZ_OK) {}
   ~Bz2() { BZ2_bzDecompressEnd(&stream_); }
+  /// For the next stream.
+  void restart() {
+    BZ2_bzDecompressEnd(&stream_);
+    stream_ = {};
+    is_ready_ = BZ2_bzDecompressInit(&stream_, 0, 0) == BZ_OK;
+  }
   Bz2(const Bz2&) = delete;
   Bz2& operator=(const Bz2&) = delete;
 
@@ -56,6 +62,7 @@ class Lz4 {
   static constexpr std::string_view name = "lz4";
   Lz4() { LZ4F_createDecompressionContext(&context_, LZ4F_VERSION); }
   ~Lz4() { LZ4F_freeDecompressionContext(context_); }
+  void restart() {}  // it goes on with the next frame by itself
   Lz4(const Lz4&) = delete;
   Lz4& operator=(const Lz4&) = delete;
 
@@ -77,6 +84,7 @@ class Zstd {
   static constexpr std::string_view name = "zstd";
   Zstd() = default;
   ~Zstd() { ZSTD_freeDStream(stream_); }
+  void restart() {}  // it goes on with the next frame by itself
   Zstd(const Zstd&) = delete;
   Zstd& operator=(const Zstd&) = delete;
 
@@ -102,7 +110,8 @@ Result<Unpacked> decode(std::span<const std::byte> input, std::size_t expected_b
   const std::size_t most = expected_bytes + 1;  // one more, to see that there is more
   std::vector<std::byte> output(std::min(most, first_bytes));
   std::size_t produced = 0;
-  for (Outcome outcome = Outcome::more; outcome != Outcome::end;) {
+  for (Outcome outcome = Outcome::more; outcome != Outcome::end || (produced < expected_bytes && !input.empty());) {
+    if (outcome == Outcome::end) { decoder.restart(); }
     if (produced == output.size()) { output.resize(std::min(most, 2 * output.size())); }
     const Step step = decoder.step(input, std::span(output).subspan(produced));
     outcome = step.outcome;
@@ -110,7 +119,8 @@ Result<Unpacked> decode(std::span<const std::byte> input, std::size_t expected_b
     input = input.subspan(step.consumed);
     produced += step.produced;
     if (produced > expected_bytes) { return complaint("more"); }
-    if (outcome == Outcome::more && step.consumed == 0 && step.produced == 0) { return complaint("data cut short"); }
+    const bool is_stuck = step.consumed == 0 && step.produced == 0;
+    if (is_stuck && (outcome == Outcome::more || !input.empty())) { return complaint("data cut short"); }
   }
   if (produced != expected_bytes) { return complaint(std::to_string(produced)); }
   Unpacked unpacked{std::move(output), {}};

@@ -17,9 +17,9 @@ struct Unpacked {
   std::span<const std::byte> bytes{};
 };
 
-/// The `expected_bytes` in a stream whose compression a recording names: "", "none", "bz2", "lz4" or "zstd". Memory
-/// grows with what the data yield, whatever size is expected of them. Errors, to stand after "expected": another
-/// compression or size, damage, data cut short, more than 4 GiB expected. O(bytes).
+/// The `expected_bytes` in a stream, or in several one after the other, whose compression a recording names: "",
+/// "none", "bz2", "lz4" or "zstd". Memory grows with what the data yield, whatever size is expected of them. Errors, to
+/// stand after "expected": another compression or size, damage, data cut short, more than 4 GiB expected. O(bytes).
 [[nodiscard]] Result<Unpacked> decompress(std::string_view compression, std::span<const std::byte> input,
                                           std::uint64_t expected_bytes);
 

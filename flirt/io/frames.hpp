@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <string>
@@ -12,32 +13,45 @@
 
 namespace flirt::ros {
 
-/// Poses of one frame in its parent, over time; a pose that stays is kept with its first and last stamp alone.
+/// When something was: by its stamp, and as clocks are set back by its place in the recording.
+struct Moment {
+  double stamp{0};         ///< s
+  std::size_t message{0};  ///< number of the message that tells of it
+};
+
+/// Poses of one frame in its parent, over time; a pose that stays is kept with its first and last moment alone. A
+/// stamp that goes back by more than a second begins a new stretch: the clock was set back. Each stretch stands alone,
+/// and a moment belongs to that which was being recorded when its message came.
 class PosesOverTime {
  public:
-  void add(double stamp, const Eigen::Isometry3d& pose);
+  /// In the order of the recording.
+  void add(const Moment& moment, const Eigen::Isometry3d& pose);
   /// After the last call of add, before the first of at.
   void sort();
   /// Interpolated between the two poses around the stamp (the rotation by slerp); before the first and after the last
-  /// that one. Needs a pose. O(log poses).
-  [[nodiscard]] Eigen::Isometry3d at(double stamp) const;
-  /// Whether what `at` says can be relied on: not more than a second before the first or after the last pose, unless
-  /// all are equal.
-  [[nodiscard]] bool covers(double stamp) const;
+  /// of the stretch that one. Needs a pose. O(log poses).
+  [[nodiscard]] Eigen::Isometry3d at(const Moment& moment) const;
+  /// Whether what `at` says can be relied on: not more than a second before the first or after the last pose of the
+  /// stretch nor between two that differ and lie more than 1.5 s apart, unless all are equal.
+  [[nodiscard]] bool covers(const Moment& moment) const;
 
  private:
   struct Sample {
-    double stamp;
+    Moment moment;
     Eigen::Isometry3d pose;
   };
+  using Stretch = std::vector<Sample>;
   [[nodiscard]] bool is_constant() const;
-  std::vector<Sample> samples_;
+  [[nodiscard]] const Stretch& stretch_of(const Moment& moment) const;
+  std::vector<Stretch> stretches_;
+  double latest_{0};  ///< s, stamp of the last stretch
 };
 
 /// All transforms of a recording. A frame has one parent: the first that was stated.
 class Frames {
  public:
-  void add(const Transform& transform);
+  /// In the order of the recording: `message` is the number of that which tells the transform.
+  void add(const Transform& transform, std::size_t message);
   void sort();
 
   /// The frame, its parent, the parent of that, and so on.
@@ -45,9 +59,10 @@ class Frames {
 
   /// Nothing where the two are not connected.
   [[nodiscard]] std::optional<Eigen::Isometry3d> target_from_source(const std::string& target,
-                                                                    const std::string& source, double stamp) const;
+                                                                    const std::string& source,
+                                                                    const Moment& moment) const;
   /// Whether the frame has a parent and its pose there is known at that moment.
-  [[nodiscard]] bool covers(const std::string& frame, double stamp) const;
+  [[nodiscard]] bool covers(const std::string& frame, const Moment& moment) const;
 
  private:
   struct Edge {
@@ -55,7 +70,7 @@ class Frames {
     PosesOverTime parent_from_child;
   };
   [[nodiscard]] std::optional<Eigen::Isometry3d> ancestor_from(const std::string& ancestor, const std::string& frame,
-                                                               double stamp) const;
+                                                               const Moment& moment) const;
   std::map<std::string, Edge, std::less<>> edges_;  ///< by child
 };
 

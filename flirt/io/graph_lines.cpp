@@ -67,6 +67,9 @@ struct Gathered {
   std::vector<Fixed> fixed{};
 };
 
+/// 1/m², 1/(m·rad), 1/rad²: that of a nanometre. More is broken, and its squares overflow.
+constexpr double most_information = 1e18;
+
 bool is_semi_definite(const Eigen::Matrix3d& information) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information, Eigen::EigenvaluesOnly);
   return eigen.eigenvalues()(0) >= -1e-9 * std::max(1e-9, eigen.eigenvalues()(2));  // rounding of the text
@@ -94,6 +97,10 @@ void take_edge(Fields& fields, Gathered& gathered, const Dialect& dialect, std::
   fields.end();
   if (edge.a == edge.b) {
     fields.complain("expected two vertices, found an edge of " + std::to_string(edge.a) + " with itself");
+  }
+  const double most = edge.edge.information.cwiseAbs().maxCoeff();
+  if (most > most_information) {
+    fields.complain("expected information up to " + number_text(most_information) + ", found " + number_text(most));
   }
   if (fields.complaint().empty() && !is_semi_definite(edge.edge.information)) {
     fields.complain("expected a positive semi-definite information matrix, found another");

@@ -53,7 +53,7 @@ std::vector<std::string> observations(const LogReport& report) {
     sentences.push_back("stamps run backwards " + counted(report.stamps_backwards, "time") +
                         ": the order in the file is kept");
   }
-  if (report.stamp_digits > 0 && report.stamp_digits <= 6) {
+  if (report.stamps_rounded) {
     sentences.push_back("stamps are written with " + std::to_string(report.stamp_digits) +
                         " digits at most: they are rounded");
   }

@@ -80,7 +80,8 @@ struct LogReport {
   RangeMaxSource range_max_source{RangeMaxSource::assumed};
   std::size_t stamps_backwards{0};  ///< scans stamped earlier than the scan before
   bool stamps_constant{false};      ///< all scans (two or more) have the same stamp
-  int stamp_digits{0};              ///< most significant digits of any stamp; 6 or fewer: probably destroyed in writing
+  int stamp_digits{0};              ///< most significant digits of any stamp as written; 0: not known
+  bool stamps_rounded{false};       ///< so few that tenths of seconds, and often more, got lost in writing
 };
 
 /// What a user should know about the log before trusting it, one sentence each; empty when all is well.

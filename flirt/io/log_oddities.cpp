@@ -1,9 +1,13 @@
 #include "flirt/io/log_oddities.hpp"
 
+#include "flirt/io/text.hpp"
+
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <iterator>
+#include <numbers>
 #include <utility>
 
 namespace flirt {
@@ -67,6 +71,16 @@ RangeMaxSource settle_range_max(std::optional<double> option, std::vector<Scan>&
     source = RangeMaxSource::detected;
   }
   return source;
+}
+
+std::string wrong_angles(const Beams& beams, std::size_t n) {
+  constexpr double turn = 2.0 * std::numbers::pi;
+  const double step = std::abs(beams.angle_step);
+  const bool is_within_turn = step * static_cast<double>(n) <= turn + 1.5 * step;  // false for what is no number
+  const bool has_step = n < 2 || step != 0.0;
+  if (std::abs(beams.angle_min) <= 2.0 * turn && std::isfinite(step) && is_within_turn && has_step) { return {}; }
+  return "expected angles within one turn, found " + std::to_string(n) + " beams in steps of " +
+         number_text(beams.angle_step) + " rad from " + number_text(beams.angle_min);
 }
 
 Result<void> reject(LogReport& report, const ReadOptions& options, std::string complaint) {

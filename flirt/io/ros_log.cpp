@@ -41,6 +41,7 @@ class Gathered {
   }
 
   std::vector<ros::LaserScan> scans{};
+  std::vector<ros::Moment> moments{};  ///< of the scans
   std::vector<std::string> scan_topics{};
   Frames frames{};
   std::string odometry_topic{};
@@ -55,7 +56,7 @@ class Gathered {
     if (!ros::is_transform_type(message.type)) { return false; }
     const auto transforms = ros::transforms_of(message);
     if (!transforms) { return tl::unexpected(transforms.error()); }
-    for (const ros::Transform& transform : *transforms) { frames.add(transform); }
+    for (const ros::Transform& transform : *transforms) { frames.add(transform, report_.lines); }
     return true;
   }
 
@@ -65,6 +66,7 @@ class Gathered {
     if (message.topic != report_.message) { return false; }
     auto scan = ros::laser_scan_of(message);
     if (!scan) { return tl::unexpected(scan.error()); }
+    moments.push_back({scan->stamp, report_.lines});
     scans.push_back(std::move(*scan));
     return true;
   }
@@ -75,7 +77,7 @@ class Gathered {
     const auto pose = ros::odometry_of(message);
     if (!pose) { return tl::unexpected(pose.error()); }
     odometry_child = pose->child;
-    odometry.add(pose->stamp, pose->parent_from_child);
+    odometry.add({pose->stamp, report_.lines}, pose->parent_from_child);
     return true;
   }
 
@@ -109,7 +111,7 @@ Roles roles_of(const Gathered& gathered, const std::string& sensor) {
     roles.robot = chain[i - 1];
   }
   if (roles.map.empty() && roles.odom.empty() && !gathered.odometry_topic.empty() &&
-      gathered.frames.target_from_source(gathered.odometry_child, sensor, 0.0)) {
+      gathered.frames.target_from_source(gathered.odometry_child, sensor, {})) {
     roles.robot = gathered.odometry_child;
   }
   return roles;
@@ -133,12 +135,12 @@ Result<void> mount(const Eigen::Isometry3d& robot_from_sensor, Scan& scan) {
   return {};
 }
 
-std::optional<Pose2> odometry_at(const Gathered& gathered, const Roles& roles, double stamp) {
+std::optional<Pose2> odometry_at(const Gathered& gathered, const Roles& roles, const ros::Moment& moment) {
   if (!roles.odom.empty()) {
-    if (!gathered.frames.covers(roles.robot, stamp)) { return std::nullopt; }
-    return ros::planar(*gathered.frames.target_from_source(roles.odom, roles.robot, stamp));
+    if (!gathered.frames.covers(roles.robot, moment)) { return std::nullopt; }
+    return ros::planar(*gathered.frames.target_from_source(roles.odom, roles.robot, moment));
   }
-  return gathered.odometry.covers(stamp) ? std::optional(ros::planar(gathered.odometry.at(stamp))) : std::nullopt;
+  return gathered.odometry.covers(moment) ? std::optional(ros::planar(gathered.odometry.at(moment))) : std::nullopt;
 }
 
 /// The scans with their frames and poses.
@@ -150,18 +152,19 @@ Result<ScanLog> place(Gathered& gathered, LogReport& report) {
   report.is_mounting_unknown = gathered.frames.chain(sensor).size() == 1;
   ScanLog log;
   std::vector<Pose2> odom_from_robot;
-  for (ros::LaserScan& from : gathered.scans) {
+  for (std::size_t i = 0; i < gathered.scans.size(); ++i) {
+    ros::LaserScan& from = gathered.scans[i];
+    const ros::Moment& moment = gathered.moments[i];
     Scan scan{.stamp = from.stamp, .beams = from.beams, .ranges = std::move(from.ranges)};
-    const auto robot_from_sensor = gathered.frames.target_from_source(roles.robot, from.frame, from.stamp);
+    const auto robot_from_sensor = gathered.frames.target_from_source(roles.robot, from.frame, moment);
     if (!robot_from_sensor) {
       return fail("expected scans of one scanner, found the frames " + sensor + " and " + from.frame);
     }
     if (auto level = mount(*robot_from_sensor, scan); !level) { return tl::unexpected(level.error()); }
-    scan.odom_from_robot = odometry_at(gathered, roles, scan.stamp);
+    scan.odom_from_robot = odometry_at(gathered, roles, moment);
     if (scan.odom_from_robot) { odom_from_robot.push_back(*scan.odom_from_robot); }
     if (!roles.map.empty()) {
-      log.map_from_robot.push_back(
-          ros::planar(*gathered.frames.target_from_source(roles.map, roles.robot, scan.stamp)));
+      log.map_from_robot.push_back(ros::planar(*gathered.frames.target_from_source(roles.map, roles.robot, moment)));
     }
     log.scans.push_back(std::move(scan));
   }

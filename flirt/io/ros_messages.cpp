@@ -1,14 +1,16 @@
 #include "flirt/io/ros_messages.hpp"
 
+#include "flirt/io/log_oddities.hpp"
+#include "flirt/io/text.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <numbers>
-#include <optional>
 #include <span>
+#include <utility>
 
 namespace flirt::ros {
 namespace {
@@ -88,23 +90,22 @@ Header header_of(Fields& fields, bag::Serialization serialization) {
   return {stamp, fields.frame()};
 }
 
-/// A position and a quaternion. Nothing when that is no pose.
-std::optional<Eigen::Isometry3d> pose_of(Fields& fields) {
+/// A position and a quaternion; the error is that they are no pose. What is not whole may give either.
+Result<Eigen::Isometry3d> pose_of(Fields& fields) {
   std::array<double, 7> numbers{};
   for (double& number : numbers) { number = fields.number<double>(); }
   const auto& [x, y, z, qx, qy, qz, qw] = numbers;
   const Eigen::Quaterniond rotation(qw, qx, qy, qz);
   const bool is_finite = std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); });
-  if (!is_finite || std::abs(rotation.norm() - 1.0) > 0.1) { return std::nullopt; }
+  if (!is_finite || std::abs(rotation.norm() - 1.0) > 0.1) {
+    return fail("expected a position and a unit quaternion, found other numbers");
+  }
+  if (std::hypot(x, y, z) > farthest_pose) { return fail("expected a place within 10 000 km, found one farther away"); }
   return Eigen::Isometry3d(Eigen::Translation3d(x, y, z) * rotation.normalized());
 }
 
 tl::unexpected<Error> no_such(std::string_view type) {
   return fail("expected a message of type " + std::string(type) + ", found one that is cut short or another");
-}
-
-tl::unexpected<Error> no_pose() {
-  return fail("expected a position and a unit quaternion, found other numbers");
 }
 
 }  // namespace
@@ -129,12 +130,8 @@ Result<LaserScan> laser_scan_of(const bag::Message& message) {
   scan.ranges.resize(fields.count(sizeof(float)));
   for (double& range : scan.ranges) { range = fields.number<float>(); }
   if (!fields.is_whole()) { return no_such(laser_scan_type); }
-  const double turn = std::abs(scan.beams.angle_step) * static_cast<double>(scan.ranges.size());
-  const double whole_turn = 2.0 * std::numbers::pi + 1.5 * std::abs(scan.beams.angle_step);  // first beam given twice
-  const bool has_step = scan.ranges.size() < 2 || scan.beams.angle_step != 0.0;
-  if (!std::isfinite(scan.beams.angle_min) || !std::isfinite(turn) || turn > whole_turn || !has_step) {
-    return fail("expected angles within one turn, found " + std::to_string(scan.ranges.size()) + " beams in steps of " +
-                std::to_string(scan.beams.angle_step) + " rad from " + std::to_string(scan.beams.angle_min));
+  if (std::string wrong = wrong_angles(scan.beams, scan.ranges.size()); !wrong.empty()) {
+    return fail(std::move(wrong));
   }
   if (!(scan.beams.range_min >= 0.0 && scan.beams.range_min < 1e6)) { scan.beams.range_min = 0.0; }
   if (!(scan.beams.range_max > 0.0 && scan.beams.range_max < 1e6)) { scan.beams.range_max = 0.0; }  // not said
@@ -145,9 +142,9 @@ Result<Transform> odometry_of(const bag::Message& message) {
   Fields fields(message);
   const Header header = header_of(fields, message.serialization);
   const std::string child = fields.frame();
-  const std::optional<Eigen::Isometry3d> pose = pose_of(fields);
+  const Result<Eigen::Isometry3d> pose = pose_of(fields);
   if (!fields.is_whole()) { return no_such(odometry_type); }
-  if (!pose) { return no_pose(); }
+  if (!pose) { return tl::unexpected(pose.error()); }
   return Transform{header.stamp, header.frame, child, *pose};
 }
 
@@ -159,9 +156,9 @@ Result<std::vector<Transform>> transforms_of(const bag::Message& message) {
   for (std::size_t i = 0; i < count; ++i) {
     const Header header = header_of(fields, message.serialization);
     const std::string child = fields.frame();
-    const std::optional<Eigen::Isometry3d> pose = pose_of(fields);
+    const Result<Eigen::Isometry3d> pose = pose_of(fields);
     if (!fields.is_whole()) { break; }
-    if (!pose) { return no_pose(); }
+    if (!pose) { return tl::unexpected(pose.error()); }
     transforms.push_back({header.stamp, header.frame, child, *pose});
   }
   if (!fields.is_whole()) { return no_such(message.type); }

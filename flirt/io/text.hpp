@@ -59,6 +59,13 @@ void append_number(std::string& text, Number number) {
   text.append(buffer.data(), result.ptr);
 }
 
+/// That text alone, for messages.
+[[nodiscard]] inline std::string number_text(double number) {
+  std::string text;
+  append_number(text, number);
+  return text;
+}
+
 /// How far a pose in a file may lie from the origin, m: a quarter of the way around the earth. Farther ones are broken,
 /// and would not fit the grids.
 inline constexpr double farthest_pose = 1e7;

@@ -59,8 +59,12 @@ TrackCluster moments(std::span<const Particle> particles, std::span<const std::s
 
 using ParticleBin = std::array<std::int64_t, 3>;
 
+/// The bins of the heading, of about `turn`, make a whole turn: the last meets the first. They are even in number, so
+/// that half a turn, where the angle jumps, is in the middle of one.
 ParticleBin bin_of(const Pose2& pose, double reach, double turn) {
-  return {std::llround(pose.x / reach), std::llround(pose.y / reach), std::llround(pose.theta / turn)};
+  const std::int64_t headings = 2 * std::max<std::int64_t>(1, std::llround(std::numbers::pi / turn));
+  const std::int64_t heading = std::llround(pose.theta / (2 * std::numbers::pi) * static_cast<double>(headings));
+  return {std::llround(pose.x / reach), std::llround(pose.y / reach), (heading % headings + headings) % headings};
 }
 
 /// The heaviest particle of the heaviest bin among those left.

@@ -6,6 +6,8 @@
 #include <Eigen/Core>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -294,10 +296,11 @@ std::optional<std::size_t> nearest_scan(const PlaceMap& map, const Pose2& map_fr
 }
 
 void PlaceMapBuilder::add_geometry(const Beams& beams) {
-  // Logs have one or two geometries in all.
-  const auto known = std::find(columns_.beams.begin(), columns_.beams.end(), beams);
-  columns_.geometry.push_back(static_cast<std::uint32_t>(known - columns_.beams.begin()));
-  if (known == columns_.beams.end()) { columns_.beams.push_back(beams); }
+  // Most logs have one or two geometries in all, but some drivers compute the step anew for each scan.
+  const auto bits = std::bit_cast<std::array<std::uint64_t, 4>>(beams);
+  const auto [known, is_new] = geometries_.try_emplace(bits, static_cast<std::uint32_t>(columns_.beams.size()));
+  columns_.geometry.push_back(known->second);
+  if (is_new) { columns_.beams.push_back(beams); }
 }
 
 void PlaceMapBuilder::add_features(const Features& features) {

@@ -15,8 +15,10 @@
 #include "flirt/grid/evidence_grid.hpp"
 #include "flirt/match/columns.hpp"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -152,6 +154,8 @@ class PlaceMapBuilder {
   void add_geometry(const Beams& beams);
   void add_features(const Features& features);
 
+  std::map<std::array<std::uint64_t, 4>, std::uint32_t>
+      geometries_{};  ///< by their bits: index into the column of beams
   PlaceMapVectors columns_{.range_begin = {0}, .feature_begin = {0}};
   std::uint32_t descriptor_dimension_{0};
   std::uint32_t descriptor_stride_{0};

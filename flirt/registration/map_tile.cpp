@@ -15,6 +15,7 @@ constexpr std::int32_t side = MapTile::side;
 constexpr std::int32_t block = 4;  // cells, of the distance transform far from walls
 constexpr std::int32_t clearance_margin = block * longest_reach;
 
+/// At most `longest_reach`, which the range of the field keeps to in cells of 5 cm.
 int reach_cells(const MapFieldParams& params, double cell_size) {
   return std::clamp(static_cast<int>(std::lround(params.reach / cell_size)), 1, longest_reach);
 }

@@ -15,8 +15,8 @@
 namespace flirt {
 
 struct MapFieldParams {
-  double reach{0.4};               ///< m, farther from anything occupied an end point agrees with nothing
-  double line_radius{0.15};        ///< m, neighbourhood of occupied cells that makes a piece of line
+  double reach{0.4};         ///< m, farther from anything occupied an end point is of no wall; scores look 0.4 m far
+  double line_radius{0.15};  ///< m, neighbourhood of occupied cells that makes a piece of line
   double likelihood_sigma{0.2};    ///< m, of the coarse likelihood: grid and angle steps blur the end points this much
   std::uint32_t coarse_factor{4};  ///< cells per side of a coarse cell
   std::uint32_t free_penalty{3};   ///< coarse value of unknown space, of `coarse_peak`; free space is worth 0
@@ -28,7 +28,8 @@ struct MapFieldParams {
 template <class Params, class Visitor>
   requires std::same_as<std::remove_const_t<Params>, MapFieldParams>
 void visit_fields(Params& params, Visitor&& visit) {
-  visit(params.reach, Field{"reach", "m", "farther from anything occupied an end point agrees with nothing", 0.1, 5.0});
+  visit(params.reach,
+        Field{"reach", "m", "farther from anything occupied an end point agrees with nothing", 0.1, 0.75});
   visit(params.line_radius, Field{"line_radius", "m", "neighbourhood that makes a piece of line", 0.05, 1.0});
   visit(params.likelihood_sigma, Field{"coarse_sigma", "m", "width of the coarse likelihood", 0.05, 2.0});
   visit(params.coarse_factor, Field{"coarse_factor", "", "cells per side of a coarse cell", 1, 16});

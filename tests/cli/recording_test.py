@@ -102,6 +102,7 @@ class Recording(unittest.TestCase):
         messages.append(("/scan_back", "sensor_msgs/msg/LaserScan", fields.whole()))
         cls.recording = cls.path / "drive.mcap"
         cls.recording.write_bytes(mcap(messages))
+        cls.messages = messages
 
     @classmethod
     def tearDownClass(cls):
@@ -135,6 +136,17 @@ class Recording(unittest.TestCase):
         refused = flirt("convert", self.recording, self.path / "none.log", "--message", "/left", code=2)
         self.assertIn("expected scans on /left, found them on /scan, /scan_back", refused.stderr)
         self.assertFalse((self.path / "none.log").exists())
+
+    def test_convert_says_that_odometry_of_some_scans_is_lost(self):
+        moves = [message for message in self.messages if message[0] == "/tf"]
+        missing = set(moves[self.count // 3:self.count // 2])
+        partial, written = self.path / "partial.mcap", self.path / "partial.log"
+        partial.write_bytes(mcap([message for message in self.messages if message not in missing]))
+        with_odometry = self.info(partial)["odometry"]["count"]
+        self.assertTrue(0 < with_odometry < self.count)
+        self.assertIn(f"not in the new file: the odometry, which only {with_odometry} of {self.count} scans have",
+                      flirt("convert", partial, written).stdout)
+        self.assertEqual(self.info(written)["poses"]["source"], "none")
 
     def test_slam_maps_a_recording(self):
         for log, out in ((self.recording, "of-recording"), (self.log, "of-log")):

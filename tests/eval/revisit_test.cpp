@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 
 namespace flirt {
@@ -67,6 +68,18 @@ TEST(Answerable, NeedsAnOldScanOfTheSamePlace) {
   ScanLog blind = log;
   blind.scans[0].ranges.assign(360, 81.83);
   EXPECT_EQ(answerable(blind, queries, {}, 1), (std::vector<bool>{false, false, true}));
+}
+
+TEST(Answerable, AReadingThatIsNoReturnIsNoneWhateverItsLength) {
+  std::vector<Pose2> loop;
+  for (int i = 0; i < 40; ++i) { loop.push_back({std::cos(0.314 * i), std::sin(0.314 * i), 0.1 * i}); }
+  loop.back() = loop.front();
+  ScanLog log = square_room(loop);
+  const std::vector<std::size_t> queries = {0, 39};
+  for (Scan& scan : log.scans) { scan.beams.range_max = 30; }
+  EXPECT_EQ(answerable(log, queries, {}, 1), (std::vector<bool>{true, true}));
+  for (Scan& scan : log.scans) { std::ranges::fill(scan.ranges, 30.0); }  // as this scanner says that it sees nothing
+  EXPECT_EQ(answerable(log, queries, {}, 1), (std::vector<bool>{false, false}));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -117,6 +118,14 @@ TEST(PairsByStamp, PairsRepeatedStampsInTheirOrder) {
   ASSERT_EQ(paired.pairs.size(), 3U);
   for (const PosePair& pair : paired.pairs) { EXPECT_EQ(pair.truth, pair.estimate); }
   EXPECT_EQ(paired.skipped, 1U);
+}
+
+TEST(PairsByStamp, PairsManyPosesOfOneStampInNoTime) {
+  std::vector<StampedPose> poses;
+  for (int i = 0; i < 300'000; ++i) { poses.push_back({5, {static_cast<double>(i), 0, 0}}); }
+  const PairedTrajectory paired = pairs_by_stamp(poses, poses);
+  ASSERT_EQ(paired.pairs.size(), poses.size());
+  EXPECT_TRUE(std::ranges::all_of(paired.pairs, [](const PosePair& pair) { return pair.truth == pair.estimate; }));
 }
 
 TEST(RelationsError, TellsItsTwoFormsApart) {

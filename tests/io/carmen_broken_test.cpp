@@ -56,8 +56,24 @@ INSTANTIATE_TEST_SUITE_P(
                     BrokenCase{"FLASER 3 1 1 1 0 0 0 0 0 0 1", "a word for the host, found the end of the line"}));
 
 TEST(Carmen, FindsAnImpossibleStepOfRobotlaser) {
-  EXPECT_THAT(error_of(robotlaser("3 1 2 3", "0 0 0 0 0 0", "0 -1 3 0 40")), HasSubstr("an angular step other than 0"));
+  EXPECT_THAT(error_of(robotlaser("3 1 2 3", "0 0 0 0 0 0", "0 -1 3 0 40")),
+              HasSubstr("expected angles within one turn, found 3 beams in steps of 0 rad from -1"));
   EXPECT_TRUE(read_text(robotlaser("1 2", "0 0 0 0 0 0", "0 0 0 0 40")));
+}
+
+TEST(Carmen, RefusesAnglesBeyondOneTurn) {
+  const auto of_head = [](std::string_view head) { return robotlaser("3 1 2 3", "0 0 0 0 0 0", head); };
+  EXPECT_TRUE(read_text(of_head("0 -3.14159 6.2832 2.0944 40")));   // a whole turn
+  EXPECT_TRUE(read_text(of_head("0 -3.14159 6.2832 3.14159 40")));  // with the first beam given twice
+  EXPECT_TRUE(read_text(of_head("0 3.14159 6.2832 -2.0944 40")));
+  for (const std::string_view head : {"0 -1.5 3.0 1e308 40", "0 -1.5 3.0 -1e308 40", "0 -1.5 3.0 45 40",
+                                      "0 -1.5 3.0 4.3 40", "0 -90 180 1 40", "0 1e300 3.0 0.5 40"}) {
+    const std::string text = of_head("0 -1.5 3.0 0.5 40") + of_head(head);
+    EXPECT_THAT(error_of(text), HasSubstr("test.log:2: ROBOTLASER1: expected angles within one turn, found 3 beams"));
+    const LoadedLog loaded = read_text(text, lenient).value();
+    EXPECT_EQ(loaded.log.scans.size(), 1U);
+    EXPECT_EQ(loaded.report.broken_lines, 1U);
+  }
 }
 
 TEST(Carmen, RefusesPlacesThatNoMapCanHold) {

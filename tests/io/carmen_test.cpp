@@ -15,8 +15,10 @@
 namespace flirt {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 using testing::Pair;
 using testing::UnorderedElementsAre;
 
@@ -191,6 +193,20 @@ TEST(Carmen, FindsTheLaserFromAConstantMotionBetweenBothPoses) {
   expect_pose(loaded.log.map_from_robot[29], *loaded.log.scans[29].odom_from_robot);
 }
 
+TEST(Carmen, TakesPosesOneConstantMotionApartForCorrectedWhenTheLogIs) {
+  std::string text("NEFF 30\n");
+  for (int i = 0; i < 30; ++i) {
+    const std::string y = std::to_string(0.1 * i);
+    text += flaser(180, "0.2 " + y + " 0 0 " + y + " 0");
+  }
+  const LoadedLog loaded = read_text(text).value();
+  EXPECT_EQ(loaded.report.poses, PoseSource::corrected);
+  EXPECT_TRUE(loaded.report.odometry_repeats_pose);
+  EXPECT_NEAR(loaded.log.scans[9].robot_from_sensor.x, 0.2, 1e-5);
+  EXPECT_NEAR(loaded.log.map_from_robot[9].y, 0.9, 1e-9);
+  for (const Scan& scan : loaded.log.scans) { EXPECT_FALSE(scan.odom_from_robot); }
+}
+
 TEST(Carmen, GivesRawlaserTheOdometryOfItsStampOrTheLastBefore) {
   const std::string text = rawlaser("1") +  // none yet
                            "ODOM 1 0 0 0 0 0 2.0 host 0\n" + rawlaser("2.5") + rawlaser("3.0") +
@@ -240,7 +256,22 @@ TEST(Carmen, NotesConstantAndRoundedStamps) {
       read_text(flaser(1, "0 0 0 0 0 0", "1.07108e+09") + flaser(1, "1 0 0 1 0 0", "1.07108e+09")).value();
   EXPECT_TRUE(loaded.report.stamps_constant);
   EXPECT_EQ(loaded.report.stamp_digits, 6);
+  EXPECT_THAT(observations(loaded.report), testing::Contains(HasSubstr("written with 6 digits at most")));
   EXPECT_FALSE(read_text(flaser(1)).value().report.stamps_constant);
+}
+
+TEST(Carmen, TakesShortStampsForRoundedOnlyWhereDigitsWentMissing) {
+  const auto note = HasSubstr("they are rounded");
+  const auto read = [](std::string_view first, std::string_view second) {
+    return observations(read_text(flaser(1, "0 0 0 0 0 0", first) + flaser(1, "1 0 0 1 0 0", second)).value().report);
+  };
+  EXPECT_THAT(read("667.5", "667.6"), Not(Contains(note)));
+  EXPECT_THAT(read("0", "1"), Not(Contains(note)));
+  EXPECT_THAT(read("9999.95", "9999.99"), Not(Contains(note)));
+  EXPECT_THAT(read("1071078718.46", "1071078718.96"), Not(Contains(note)));
+  EXPECT_THAT(read("1.07108e+09", "1.07109e+09"), Contains(note));
+  EXPECT_THAT(read("99999.9", "100000"), Contains(note));
+  EXPECT_THAT(read("123456", "123457"), Contains(note));
 }
 
 // --- Lines of other kinds --------------------------------------------------------------------------------------------

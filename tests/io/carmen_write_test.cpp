@@ -76,6 +76,17 @@ TEST(CarmenWriter, WritesScansWithoutPosesAsRawlaser) {
   EXPECT_THAT(to_carmen(log).error().message, HasSubstr("expected a laser straight ahead"));
 }
 
+TEST(CarmenWriter, LeavesOutOdometryThatOnlySomeScansHave) {
+  for (const bool has_poses : {true, false}) {
+    ScanLog log = random_log(true, has_poses);
+    for (std::size_t i = 5; i < 9; ++i) { log.scans[i].odom_from_robot.reset(); }
+    const LoadedLog loaded = read_text(to_carmen(log).value()).value();
+    for (Scan& scan : log.scans) { scan.odom_from_robot.reset(); }
+    expect_same(loaded.log, log);
+    EXPECT_EQ(loaded.report.poses, has_poses ? PoseSource::corrected : PoseSource::none);
+  }
+}
+
 TEST(CarmenWriter, KeepsClockwiseBeams) {
   ScanLog log = random_log(true, true);
   for (Scan& scan : log.scans) { scan.beams = {3.1, -0.1, 0, 12}; }

@@ -95,6 +95,9 @@ TEST(G2o, RefusesBrokenFilesWithTheirPlace) {
   EXPECT_THAT(g2o_error(vertices + "EDGE_SE2 0 1 0 0 0 1 0 0 1 0\n"), HasSubstr("a.g2o:3: EDGE_SE2: "));
   EXPECT_THAT(g2o_error(vertices + "EDGE_SE2 0 1 0 0 0 1 0 0 1 0 1 1\n"), HasSubstr("expected the end of the line"));
   EXPECT_THAT(g2o_error(vertices + "EDGE_SE2 0 1 0 0 0 1 0 0 -1 0 1\n"), HasSubstr("positive semi-definite"));
+  EXPECT_THAT(g2o_error(vertices + "EDGE_SE2 0 1 0 0 0 1e300 0 0 1e300 0 1e300\n"),
+              HasSubstr("a.g2o:3: EDGE_SE2: expected information up to 1e+18, found 1e+300"));
+  EXPECT_THAT(g2o_error(vertices + "EDGE_SE2 0 1 0 0 0 1e15 0 0 1e15 0 1e15\n"), "no error");
   EXPECT_THAT(g2o_error(vertices + "EDGE_SE2 1 1 0 0 0 1 0 0 1 0 1\n"), HasSubstr("with itself"));
   EXPECT_THAT(g2o_error(vertices + "\nEDGE_SE2 0 2 0 0 0 1 0 0 1 0 1\n"),
               HasSubstr("a.g2o:4: expected vertices of the file, found 2"));

@@ -180,6 +180,74 @@ TEST(RosLog, NoOdometryLongAfterItsEnd) {
   EXPECT_TRUE(loaded.log.map_from_robot.empty());
 }
 
+TEST(RosLog, AClockThatIsSetBackDoesNotMixTwoStretches) {
+  Recording recording;
+  for (int i = 0; i < 100; ++i) {
+    const double stamp = 100.0 + 0.5 * i - (i < 50 ? 0 : 20);  // after 25 s 20 s back
+    const double x = 0.5 * i;
+    if (i != 50) { recording.odometry(stamp, {x, 0, 0}); }
+    recording.scan(stamp + 0.01, "base");
+    if (i == 50) { recording.odometry(stamp, {x, 0, 0}); }  // the first scan came before its odometry
+  }
+  const LoadedLog loaded = recording.read().value();
+  ASSERT_EQ(loaded.log.scans.size(), 100U);
+  for (int i = 0; i < 100; ++i) {
+    const auto& odometry = loaded.log.scans[static_cast<std::size_t>(i)].odom_from_robot;
+    ASSERT_TRUE(odometry) << i;
+    EXPECT_NEAR(odometry->x, 0.5 * i, 0.02) << i;
+  }
+}
+
+TEST(RosLog, TransformsOfTwoStretchesAreNotMixed) {
+  Recording recording;
+  recording.transform(0.0, "base", "laser", in_space({0.2, 0, 0}));
+  for (int i = 0; i < 100; ++i) {
+    const double stamp = 100.0 + 0.5 * i - (i < 50 ? 0 : 20);
+    recording.transform(stamp, "odom", "base", in_space({0.5 * i, 0, 0}));
+    recording.transform(stamp, "map", "odom", in_space({0, 0.5 * i, 0}));
+    recording.scan(i == 50 ? 124.51 : stamp + 0.01);  // the last scan of the first stretch came late
+  }
+  const LoadedLog loaded = recording.read().value();
+  for (int i = 0; i < 100; ++i) {
+    const auto scan = static_cast<std::size_t>(i);
+    const double x = i == 50 ? 24.5 : 0.5 * i;
+    EXPECT_NEAR(loaded.log.scans[scan].odom_from_robot.value_or(Pose2{}).x, x, 0.02) << i;
+    EXPECT_NEAR(loaded.log.map_from_robot[scan].y, x, 0.02) << i;
+  }
+}
+
+TEST(RosLog, ARobotThatStandsWhenItsClockIsSetBackKeepsItsPose) {
+  Recording recording;
+  for (int i = 0; i < 60; ++i) {
+    const double stamp = 100.0 + i - (i < 30 ? 0 : 20);
+    const double x = i < 30 ? i : 100;  // odometry begins anew and rests; its stamps pass those of the first stretch
+    recording.odometry(stamp, {x, 0, 0});
+    recording.scan(stamp, "base");
+  }
+  const LoadedLog loaded = recording.read().value();
+  for (std::size_t i = 30; i < 60; ++i) { expect_near(*loaded.log.scans[i].odom_from_robot, {100, 0, 0}); }
+}
+
+TEST(RosLog, PosesThatComeOutOfOrderByLessThanASecondAreSorted) {
+  Recording recording;
+  for (const double stamp : {1.0, 2.0, 1.5, 2.5}) { recording.odometry(stamp, {stamp, 0, 0}); }
+  recording.scan(1.75, "base");
+  expect_near(*recording.read()->log.scans[0].odom_from_robot, {1.75, 0, 0});
+}
+
+TEST(RosLog, NoOdometryIsMadeUpWhereItIsMissing) {
+  Recording recording;
+  for (const double stamp : {1.0, 2.0, 32.0, 33.0, 50.0}) {
+    recording.odometry(stamp, {std::min(stamp, 33.0), 0, 0});
+    recording.scan(stamp, "base");
+  }
+  for (const double stamp : {2.1, 17.0, 31.9, 40.0}) { recording.scan(stamp, "base"); }
+  const LoadedLog loaded = recording.read().value();
+  for (std::size_t i = 0; i < 5; ++i) { EXPECT_TRUE(loaded.log.scans[i].odom_from_robot) << i; }
+  for (std::size_t i = 5; i < 8; ++i) { EXPECT_FALSE(loaded.log.scans[i].odom_from_robot) << i; }
+  expect_near(*loaded.log.scans[8].odom_from_robot, {33, 0, 0});  // stood all the while
+}
+
 TEST(RosLog, UpsideDownScannerIsSeenFromAbove) {
   Recording recording;
   const Eigen::Isometry3d upside_down(Eigen::Translation3d(0.2, 0, 0.5) *

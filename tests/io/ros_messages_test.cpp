@@ -99,6 +99,11 @@ TEST(RosMessages, AnglesMustBeThoseOfOneTurn) {
     ASSERT_FALSE(found) << step;
     EXPECT_THAT(found.error().message, HasSubstr("expected angles within one turn, found 5 beams"));
   }
+  for (const double start : {no_number, infinite, -90.0}) {
+    ros::LaserScan scan = small_scan();
+    scan.beams.angle_min = start;
+    EXPECT_FALSE(read_scan(scan_bytes(scan, bag::Serialization::ros1), bag::Serialization::ros1)) << start;
+  }
 }
 
 TEST(RosMessages, OdometryOfEitherSerialization) {
@@ -141,6 +146,22 @@ TEST(RosMessages, APoseNeedsAUnitQuaternion) {
     const auto found = ros::odometry_of(message_of(ros::odometry_type, bytes, bag::Serialization::ros1));
     ASSERT_FALSE(found) << w;
     EXPECT_THAT(found.error().message, HasSubstr("unit quaternion"));
+  }
+}
+
+TEST(RosMessages, PlacesOffTheEarthAreRefused) {
+  for (const bag::Serialization serialization : both_serializations) {
+    for (const Pose2& pose : {Pose2{1e300, 1e300, 0}, Pose2{0, -1.1e7, 0}, Pose2{1e12, 0, 0}}) {
+      const ros::Transform far{1.0, "odom", "base", in_space(pose)};
+      const std::string odometry = odometry_bytes(far, serialization);
+      const auto found = ros::odometry_of(message_of(ros::odometry_type, odometry, serialization));
+      ASSERT_FALSE(found);
+      EXPECT_THAT(found.error().message, HasSubstr("expected a place within 10 000 km"));
+      const std::string transforms = transform_bytes({far}, serialization);
+      EXPECT_FALSE(ros::transforms_of(message_of("tf2_msgs/TFMessage", transforms, serialization)));
+    }
+    const std::string near = odometry_bytes({1.0, "odom", "base", in_space({9e6, 0, 0})}, serialization);
+    EXPECT_TRUE(ros::odometry_of(message_of(ros::odometry_type, near, serialization)));
   }
 }
 

@@ -51,6 +51,19 @@ TEST(Particles, KldCountIsTheChiSquareQuantile) {
   EXPECT_EQ(kld_count({}, 0.5, 0.2, 0.05, 2.326), 0U);
 }
 
+TEST(Particles, BinsOfTheHeadingMeetAtHalfATurn) {
+  // Bins of about 0.2 rad, 32 of them: the one around half a turn is one, on whichever side of the jump of the angle
+  // its particles lie.
+  const std::vector<Particle> one{{{0, 0, 3.1}, 0.5}, {{0, 0, -3.1}, 0.5}};
+  EXPECT_EQ(kld_count(one, 0.5, 0.2, 0.05, 2.326), 1U);
+  std::vector<Particle> all_around;
+  for (int i = 0; i < 1000; ++i) { all_around.push_back({{0, 0, wrap_angle(6.2831853 * i / 1000)}, 0.001}); }
+  EXPECT_EQ(kld_count(all_around, 0.5, 0.2, 0.05, 2.326), kld_count(in_bins(32, 1), 0.5, 0.2, 0.05, 2.326));
+  // A cluster across the jump outweighs one that outweighs each of its halves.
+  const std::vector<Particle> split{{{0, 0, 3.12}, 0.3}, {{0, 0, -3.12}, 0.3}, {{5, 0, 0}, 0.4}};
+  EXPECT_NEAR(clusters_of(split, 0.5, 0.2, 1).at(0).share, 0.6, 1e-12);
+}
+
 TEST(Particles, MotionWithoutNoiseIsTheOdometry) {
   Rng rng(1);
   const MotionNoise none{0, 0, 0, 0, 0, 0, 0};

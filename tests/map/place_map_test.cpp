@@ -64,6 +64,17 @@ TEST(PlaceMap, StoresEachGeometryOnce) {
   EXPECT_NE(map.columns().geometry[0], map.columns().geometry[1]);
 }
 
+TEST(PlaceMap, TakesAGeometryOfItsOwnForEachScan) {
+  constexpr std::size_t scans = 50'000;
+  PlaceMapBuilder builder;
+  for (std::size_t i = 0; i < scans; ++i) {
+    builder.add({.beams = {0, 0.01 + 1e-9 * static_cast<double>(i / 2), 0.1, 10}}, {}, {});
+  }
+  const PlaceMap map = std::move(builder).build();
+  EXPECT_EQ(map.columns().beams.size(), scans / 2);
+  EXPECT_EQ(map.columns().geometry.back(), scans / 2 - 1);
+}
+
 TEST(PlaceMap, ReadingsKeepTheirMeaningWhenRounded) {
   for (const double range_max : {80.1, 81.83, 81.91, 32.77, 51.2, 50.0}) {
     Scan scan{.beams = {0, 0.01, 0.1, range_max},

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -137,6 +139,22 @@ TEST(MapFields, TilesFarFromAllWouldBeBlank) {
   }
   EXPECT_GT(far, 100);
   EXPECT_GT(made, 20);
+}
+
+TEST(MapFields, EveryReachThatIsAllowedCounts) {
+  const EvidenceGrid grid = evidence_of(asymmetric_room(), walk({}));
+  const auto cells_with_line = [&](double reach) {
+    std::size_t cells = 0;
+    for (const auto& tile : map_fields(grid, {.reach = reach}).tiles) {
+      cells += tile ? tile->line.size() - static_cast<std::size_t>(std::ranges::count(tile->line, 0)) : 0;
+    }
+    return cells;
+  };
+  EXPECT_LT(cells_with_line(0.1), cells_with_line(0.4));
+  EXPECT_LT(cells_with_line(0.4), cells_with_line(0.7));
+  EXPECT_LT(cells_with_line(0.7), cells_with_line(0.75));
+  EXPECT_EQ(out_of_range(MapFieldParams{.reach = 0.75}), "");
+  EXPECT_NE(out_of_range(MapFieldParams{.reach = 0.8}), "");
 }
 
 TEST(MapFields, HoldNoTilesWhereNothingWasSeen) {
