@@ -109,7 +109,11 @@ Results run_all(const BenchSlamOptions& options, const std::filesystem::path& fo
     results.tables.push_back(run_log(options, std::move(input), folder, session));
     const SlamTable& table = results.tables.back();
     print_section(session, log_title(table.input), runs_table(table));
-    if (options.starts == 0 || table.input.truth.empty()) { continue; }
+    if (options.starts == 0) { continue; }
+    if (table.input.truth.empty()) {
+      if (session.talks()) { fmt::print("{}: no jittered starts, which need a truth\n\n", table.input.name); }
+      continue;
+    }
     results.starts.push_back(run_starts(table.input, options.methods.front(), options.starts, options.params, session));
   }
   print_section(session, paper_title, paper_table(results.tables));
@@ -140,7 +144,8 @@ void add_dynamic_pictures(HtmlReport& html, const DynamicRun& run) {
   html.figure(map_picture(map, overlay), fmt::format("{} by {}: the end of the way.", run.place, run.method));
 }
 
-std::string report(const Results& results) {
+/// The page; the map of each run is also a file of its own.
+std::string report(const Results& results, const std::filesystem::path& folder) {
   HtmlReport html("flirt bench slam");
   html.paragraph(
       "ATE: root mean square after alignment. Relations: component by component, mean ± deviation, of those with both "
@@ -154,8 +159,10 @@ std::string report(const Results& results) {
     html.heading("Maps of " + table.input.name);
     for (const SlamRow& row : table.rows) {
       const MapOverlay overlay{.way = row.map_from_robot, .closures = row.closure_lines};
-      html.figure(map_picture(map_of(table.input.log, row.map_from_robot, table.input.file), overlay),
-                  name_of(table.input, row));
+      const std::string picture = map_picture(map_of(table.input.log, row.map_from_robot, table.input.file), overlay);
+      const std::string name = name_of(table.input, row);
+      html.figure(picture, name);
+      value_or_quit(write_file_atomically(folder / (name + ".svg"), picture));
     }
   }
   if (!results.dynamic.empty()) { html.heading("Maps among people"); }
@@ -178,7 +185,7 @@ nlohmann::ordered_json json_of(const BenchSlamOptions& options, const Results& r
 }
 
 int run(BenchSlamOptions& options, const Session& session) {
-  options.flags.resolve(session.config);
+  options.flags.resolve(session);
   if (options.logs.empty() && !options.dynamic && options.long_scans == 0) {
     throw UsageError("bench slam: expected --log, --dynamic or --long, found none of them");
   }
@@ -187,7 +194,7 @@ int run(BenchSlamOptions& options, const Session& session) {
   const nlohmann::ordered_json json = json_of(options, results, session);
   value_or_quit(write_file_atomically(folder / "runs.csv", runs_csv(results.tables)));
   value_or_quit(write_file_atomically(folder / "summary.json", json_text(json)));
-  value_or_quit(write_file_atomically(folder / "report.html", report(results)));
+  value_or_quit(write_file_atomically(folder / "report.html", report(results, folder)));
   write_json(session, json);
   return exit_done;
 }
@@ -208,11 +215,13 @@ void add_bench_slam(CLI::App& bench, Session& session) {
       ->delimiter(',')
       ->check(CLI::IsMember(slam_methods()));
   command->add_option("--every", options->every, "use every K-th scan (default 1)")->check(CLI::Range(1, 1000000));
-  command->add_option("--starts", options->starts, "runs without odometry from as many jittered first poses");
+  command->add_option("--starts", options->starts, "runs without odometry from as many jittered first poses")
+      ->check(CLI::Range(0, 100000));
   command->add_flag("--dynamic", options->dynamic, "incremental mapping of a simulated station among people");
   command->add_option("--window", options->window, "scans of the sliding window of --dynamic (default 20)")
       ->check(CLI::Range(1U, 1000000U));
-  command->add_option("--long", options->long_scans, "scans of a simulated run: latency and memory");
+  command->add_option("--long", options->long_scans, "scans of a simulated run: latency and memory")
+      ->check(CLI::Range(0, 10000000));
   options->flags.add(*command, "slam", options->params.slam);
   options->flags.add(*command, "rbpf", options->params.rbpf);
   session.on(command, [&session, options] { return run(*options, session); });

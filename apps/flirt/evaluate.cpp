@@ -125,8 +125,7 @@ int run(EvaluateOptions& options, const Session& session) {
   if (options.truth.empty() && options.relations.empty() && options.scans.empty()) {
     throw UsageError("evaluate: expected --truth, --relations or --scans to evaluate against, found none");
   }
-  options.quality.seed = session.seed;
-  options.params.resolve(session.config);
+  options.params.resolve(session, {"quality"});
   const std::vector<StampedPose> estimate = value_or_quit(read_trajectory(options.estimate));
   nlohmann::ordered_json json{
       {"estimate", options.estimate}, {"poses", estimate.size()}, {"stamp_tolerance_s", options.stamp_tolerance}};
@@ -155,9 +154,9 @@ void add_evaluate(CLI::App& program, Session& session) {
   command
       ->add_option("--stamp-tolerance", options->stamp_tolerance,
                    "s; stamps that differ by no more are the same moment (default 0.0005)")
-      ->check(CLI::NonNegativeNumber);
+      ->check(expect_at_least_0);
   command->add_option("--rpe-path", options->rpe_path, "m of the way that the relative error is over (default 1)")
-      ->check(CLI::PositiveNumber);
+      ->check(expect_above_0);
   options->params.add(*command, "quality", options->quality);
   session.on(command, [&session, options] { return run(*options, session); });
 }
