@@ -54,8 +54,14 @@ void judge(SlamRow& row, const SlamInput& input, const Session& session) {
     const PairedTrajectory paired = pairs_by_stamp(estimate, input.truth);
     if (paired.pairs.empty()) { throw BadInput(input.file + ": expected scans with stamps of the truth, found none"); }
     row.ate = absolute_error(paired.pairs);
+    row.rpe = relative_error(paired.pairs);
   }
   if (!input.relations.empty()) { row.relations = relations_error(estimate, input.relations); }
+  const bool has_official = row.relations && row.relations->difference.translation.count > 0;
+  if (!has_official && !input.truth.empty() && row.method != "corrected") {
+    row.relations = relations_error(estimate, derive_relations(input.truth, session.seed));
+    row.relations_source = "derived";
+  }
   row.quality = map_quality(input.log, row.map_from_robot, {.seed = session.seed}, session.threads);
 }
 
