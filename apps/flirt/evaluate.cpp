@@ -110,11 +110,12 @@ nlohmann::ordered_json without_truth(const EvaluateOptions& options, const Sessi
   }
   const MapQuality quality = map_quality(log, log.map_from_robot, options.quality, session.threads);
   if (session.talks()) {
-    fmt::print(
-        "{} scans with a pose\n  point to line          rms {:.4f} m over {} pairs of scans, {} points\n"
-        "  occupied cells         {} of {:g} m\n",
-        log.scans.size(), quality.point_to_line_rms, quality.pairs, quality.points, quality.occupied_cells,
-        options.quality.cell_size);
+    const std::string sharpness = quality.pairs == 0
+                                      ? "nothing to compare"
+                                      : fmt::format("rms {:.4f} m over {} pairs of scans, {} points",
+                                                    quality.point_to_line_rms, quality.pairs, quality.points);
+    fmt::print("{} scans with a pose\n  point to line          {}\n  occupied cells         {} of {:g} m\n",
+               log.scans.size(), sharpness, quality.occupied_cells, options.quality.cell_size);
   }
   nlohmann::ordered_json json{{"log", options.scans}, {"scans", log.scans.size()}};
   json.update(quality_json(quality));

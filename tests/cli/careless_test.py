@@ -111,7 +111,8 @@ class Careless(unittest.TestCase):
         for window in ("3", "0x3"):
             out = self.work / window
             self.assertEqual(run("slam", self.log, "-o", out, "--window", window, "--every", "5").returncode, 0)
-            self.assertEqual(json.loads((out / "summary.json").read_text())["odometry"], "ignored")
+            summary = json.loads((out / "summary.json").read_text())
+            self.assertEqual((summary["odometry"], summary["seed"]), ("ignored", 0))
 
     def test_a_seed_of_one_method_wins_over_that_of_the_command(self):
         result = run("localize", self.map, self.log, "--scan", "0", "--method", "papers", "--ransac-seed", "7", "--seed", "3",
@@ -264,6 +265,11 @@ class Careless(unittest.TestCase):
         stamp = json.loads(first.stdout)["stamps"]["first"]
         done = run("evaluate", self.log, "--truth", self.file("one.tum", f"{stamp!r} 0 0 0 0 0 0 1\n"))
         self.assertIn(b"nothing to compare", done.stdout)
+        done = run("evaluate", self.file("one.tum", f"{stamp!r} 0 0 0 0 0 0 1\n"), "--truth", self.log, "--scans", self.log,
+                   "--json", "-")
+        result = json.loads(done.stdout)
+        self.assertEqual((result["rpe"]["translation_m"]["rmse"], result["rpe"]["translation_m"]["count"]), (None, 0))
+        self.assertIsNone(result["map_quality"]["point_to_line_rms_m"])
 
     def test_what_a_bench_varies_itself_is_no_option(self):
         self.refused(1, "--optimize-backend", "bench", "optimizers", self.log, "--optimize-backend", "toro")
