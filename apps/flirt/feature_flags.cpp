@@ -1,5 +1,7 @@
 #include "apps/flirt/feature_flags.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <span>
 #include <vector>
@@ -14,7 +16,7 @@ constexpr std::array descriptor_choices{"beta-grid", "shape-context"};
 void expect_only(const ParamFlags& params, const std::string& flag, const std::string& chosen,
                  std::span<const char* const> choices) {
   for (const std::string choice : choices) {
-    if (choice != chosen) { params.expect_none(choice, flag + " " + choice); }
+    if (choice != chosen) { params.expect_none(choice, fmt::format("{} {}", flag, choice)); }
   }
 }
 
