@@ -6,6 +6,7 @@ namespace flirt::app {
 void add_bench(CLI::App& program, Session& session) {
   CLI::App* bench = program.add_subcommand("bench", "Experiments with intervals: what a method reaches on a log.");
   bench->require_subcommand(1);
+  bench->footer("Example: flirt bench localization fr079.log.gz --protocol revisit --every 3 -o results");
   add_bench_buildings(*bench, session);
   add_bench_detectors(*bench, session);
   add_bench_descriptors(*bench, session);

@@ -89,14 +89,15 @@ void print(const Table& table) {
 }
 
 int run(BenchAblationOptions& options, const Session& session) {
-  ParamFlags().resolve(session.config);  // no key of a file is known here
+  ParamFlags().resolve(session);  // no key of a file is known here
   options.bench.localization.seed = session.seed;
   options.bench.detectors.transforms.seed = session.seed;
   const ReferenceLocations reference = read_locations(options.locations, session);
   const std::vector<AblationVariant> variants = paper_ablations();
   const std::vector<AblationResult> results =
       value_or_quit(bench_ablation(reference.logs, reference.locations, variants, options.bench, session.threads,
-                                   progress_bar(session, "ablation")));
+                                   progress_bar(session, "ablation")),
+                    fmt::format("{}", fmt::join(options.locations.logs, ", ")));
   const Judge judge{query_blocks(reference.logs, options.bench.localization), session.seed};
   const Table table = ablation_table(variants, results, judge);
   nlohmann::ordered_json json{{"experiment", "ablation"},

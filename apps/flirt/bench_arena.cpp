@@ -143,7 +143,7 @@ std::string introduction(const BenchArenaOptions& options, const Arena& arena) {
       options.log, arena.queries, arena.scans, arena.answerable, options.arena.common_radius);
 }
 
-nlohmann::ordered_json arena_json(const BenchArenaOptions& options, const Arena& arena) {
+nlohmann::ordered_json arena_json(const BenchArenaOptions& options, const Arena& arena, const Session& session) {
   nlohmann::ordered_json json{{"experiment", "arena"},
                               {"log", options.log},
                               {"every", options.arena.every},
@@ -152,7 +152,8 @@ nlohmann::ordered_json arena_json(const BenchArenaOptions& options, const Arena&
                               {"scans", arena.scans},
                               {"contenders", to_json(contenders_table(arena))},
                               {"shortlists", to_json(shortlists_table(arena))},
-                              {"params", options.params.json()}};
+                              {"params", options.params.json()},
+                              {"seed", session.seed}};
   json.update(provenance());
   return json;
 }
@@ -208,15 +209,15 @@ void print(const Arena& arena) {
 }
 
 int run(BenchArenaOptions& options, const Session& session) {
-  options.params.resolve(session.config);
+  options.params.resolve(session, {"ransac"});
   const LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
   if (loaded.log.map_from_robot.empty()) {
     throw BadInput(options.log + ": expected a log with poses (they are the truth), found none");
   }
   const std::vector<Contender> list = contenders(options.detectors, options.descriptors, options.matchers);
-  const Arena arena =
-      value_or_quit(bench_arena(loaded.log, list, options.arena, session.threads, progress_bar(session, "arena")));
-  const nlohmann::ordered_json json = arena_json(options, arena);
+  const Arena arena = value_or_quit(
+      bench_arena(loaded.log, list, options.arena, session.threads, progress_bar(session, "arena")), options.log);
+  const nlohmann::ordered_json json = arena_json(options, arena, session);
   if (!options.out.empty()) { write_all(options, arena, json); }
   write_json(session, json);
   if (session.talks()) { print(arena); }

@@ -80,7 +80,7 @@ Building grid_map_of(const BenchBuildingsOptions& options, const std::string& pa
   const GridMapImage grid = value_or_quit(read_grid_map(path));
   Building building{std::filesystem::path(path).stem().string(),
                     plan_from_image(grid.image, grid.metadata),
-                    value_or_quit(place_map_from_grid(grid.image, grid.metadata, {}, {}, session.threads)),
+                    value_or_quit(place_map_from_grid(grid.image, grid.metadata, {}, {}, session.threads), path),
                     {}};
   const FreeSpace space(building.plan, robot_radius);
   Rng rng(session.seed);
@@ -174,8 +174,7 @@ void print(const std::vector<Row>& rows) {
 }
 
 int run(BenchBuildingsOptions& options, const Session& session) {
-  options.localize.set_seed(session.seed);
-  options.params.resolve(session.config);
+  options.params.resolve(session, {"ransac"});
   std::filesystem::path out;
   if (!options.out.empty()) { out = value_or_quit(folder_for_results(options.out)); }
   std::vector<Row> rows;

@@ -201,7 +201,7 @@ void write_all(const BenchDescriptorsOptions& options, const ReferenceLocations&
 }
 
 int run(BenchDescriptorsOptions& options, const Session& session) {
-  ParamFlags().resolve(session.config);  // no key of a file is known here
+  ParamFlags().resolve(session);  // no key of a file is known here
   options.bench.transforms.seed = session.seed;
   const ReferenceLocations reference = read_locations(options.locations, session);
   const auto bench = [&](const std::vector<FeatureMethod>& methods, const std::string& label) {

@@ -181,7 +181,7 @@ void write_all(const BenchDetectorsOptions& options, const Session& session, con
 }
 
 int run(BenchDetectorsOptions& options, const Session& session) {
-  ParamFlags().resolve(session.config);  // no key of a file is known here
+  ParamFlags().resolve(session);  // no key of a file is known here
   options.bench.transforms.seed = session.seed;
   const ReferenceLocations reference = read_locations(options.locations, session);
   const auto bench = [&](const std::vector<DetectorVariant>& variants, const std::string& label) {

@@ -3,6 +3,7 @@
 #include "flirt/eval/distractors.hpp"
 #include "flirt/eval/localization.hpp"
 #include "flirt/eval/localization_ablation.hpp"
+#include "flirt/io/feature_params_json.hpp"
 #include "flirt/io/file.hpp"
 #include "flirt/map/place_map.hpp"
 
@@ -64,8 +65,7 @@ void write_files(const std::filesystem::path& out, const LocalizationRun& run, c
 }
 
 int run(BenchLocalizationOptions& options, const Session& session) {
-  options.localize.set_seed(session.seed);
-  options.params.resolve(session.config);
+  options.params.resolve(session, {"ransac"});
   options.bench.seed = session.seed;
   options.bench.localize = options.localize.localize();
   options.bench.protocol = options.protocol == "revisit" ? LocalizationProtocol::revisit : LocalizationProtocol::paper;
@@ -84,13 +84,15 @@ int run(BenchLocalizationOptions& options, const Session& session) {
   others.reserve(options.distractors.size());
   for (const std::string& other : options.distractors) { others.push_back(value_or_quit(read_log(other))); }
   const PlaceMap map = value_or_quit(
-      build_place_map(log, options.features.features(), session.threads, progress_bar(session, "features")));
+      build_place_map(log, options.features.features(), session.threads, progress_bar(session, "features")),
+      options.log);
   LocalizationRun done{.log = options.log,
                        .poses = options.poses,
                        .protocol = options.protocol,
                        .method = options.localize.method(),
                        .every = options.bench.every,
                        .join = options.bench.join,
+                       .feature_params = json_from_feature_params(map.feature_params()),
                        .params = options.params.json()};
   done.bench = bench_localization(log, map, options.bench, session.threads, progress_bar(session, "localizing"));
   for (std::size_t i = 0; i < others.size(); ++i) {

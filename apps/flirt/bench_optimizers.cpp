@@ -87,7 +87,7 @@ void print(const nlohmann::ordered_json& log) {
 }
 
 int run(const BenchOptimizersOptions& options, const Session& session) {
-  options.params.resolve(session.config);
+  options.params.resolve(session);
   nlohmann::ordered_json json{{"logs", nlohmann::ordered_json::array()}};
   for (const std::string& log : options.logs) {
     json["logs"].push_back(bench_log(options, log));

@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
@@ -111,7 +110,11 @@ Results run_all(const BenchSlamOptions& options, const std::filesystem::path& fo
     results.tables.push_back(run_log(options, std::move(input), folder, session));
     const SlamTable& table = results.tables.back();
     print_section(session, log_title(table.input), runs_table(table));
-    if (options.starts == 0 || table.input.truth.empty()) { continue; }
+    if (options.starts == 0) { continue; }
+    if (table.input.truth.empty()) {
+      if (session.talks()) { fmt::print("{}: no jittered starts, which need a truth\n\n", table.input.name); }
+      continue;
+    }
     results.starts.push_back(run_starts(table.input, options.methods.front(), options.starts, options.params, session));
   }
   print_section(session, paper_title, paper_table(results.tables));
@@ -137,6 +140,12 @@ struct Picture {
   std::string caption;
 };
 
+Picture picture_of(const SlamInput& input, const SlamRow& row) {
+  const MapOverlay overlay{.way = row.map_from_robot, .closures = row.closure_lines};
+  const std::string name = name_of(input, row);
+  return {name, map_picture(map_of(input.log, row.map_from_robot, input.file), overlay), name};
+}
+
 /// The whole map, and where it ends: there the error of the whole way shows.
 std::vector<Picture> pictures_of(const DynamicRun& run) {
   const std::string name = run.place + "-" + run.method;
@@ -152,13 +161,8 @@ std::vector<Picture> pictures_of(const DynamicRun& run) {
       {name + "-end", map_picture(map, overlay), fmt::format("{} by {}: the end of the way.", run.place, run.method)}};
 }
 
-std::vector<Picture> dynamic_pictures(const std::vector<DynamicRun>& runs) {
-  std::vector<Picture> pictures;
-  for (const DynamicRun& run : runs) { std::ranges::move(pictures_of(run), std::back_inserter(pictures)); }
-  return pictures;
-}
-
-std::string report(const Results& results, const std::vector<Picture>& among_people) {
+/// The page; each of its pictures is also a file of its own.
+std::string report(const Results& results, const std::filesystem::path& folder) {
   HtmlReport html("flirt bench slam");
   html.paragraph(
       "ATE: root mean square after alignment. Relations: component by component, mean ± deviation, of those with both "
@@ -168,16 +172,18 @@ std::string report(const Results& results, const std::vector<Picture>& among_peo
   add_table(html, starts_title, starts_table(results.starts));
   add_table(html, dynamic_title, dynamic_table(results.dynamic));
   for (const LongRun& run : results.long_runs) { add_table(html, "A long run", long_table(run)); }
+  const auto add_picture = [&](const Picture& picture) {
+    html.figure(picture.svg, picture.caption);
+    value_or_quit(write_file_atomically(folder / (picture.name + ".svg"), picture.svg));
+  };
   for (const SlamTable& table : results.tables) {
     html.heading("Maps of " + table.input.name);
-    for (const SlamRow& row : table.rows) {
-      const MapOverlay overlay{.way = row.map_from_robot, .closures = row.closure_lines};
-      html.figure(map_picture(map_of(table.input.log, row.map_from_robot, table.input.file), overlay),
-                  name_of(table.input, row));
-    }
+    for (const SlamRow& row : table.rows) { add_picture(picture_of(table.input, row)); }
   }
-  if (!among_people.empty()) { html.heading("Maps among people"); }
-  for (const Picture& picture : among_people) { html.figure(picture.svg, picture.caption); }
+  if (!results.dynamic.empty()) { html.heading("Maps among people"); }
+  for (const DynamicRun& run : results.dynamic) {
+    for (const Picture& picture : pictures_of(run)) { add_picture(picture); }
+  }
   return html.text();
 }
 
@@ -196,7 +202,7 @@ nlohmann::ordered_json json_of(const BenchSlamOptions& options, const Results& r
 }
 
 int run(BenchSlamOptions& options, const Session& session) {
-  options.flags.resolve(session.config);
+  options.flags.resolve(session);
   if (options.logs.empty() && !options.dynamic && options.long_scans == 0) {
     throw UsageError("bench slam: expected --log, --dynamic or --long, found none of them");
   }
@@ -205,11 +211,7 @@ int run(BenchSlamOptions& options, const Session& session) {
   const nlohmann::ordered_json json = json_of(options, results, session);
   value_or_quit(write_file_atomically(folder / "runs.csv", runs_csv(results.tables)));
   value_or_quit(write_file_atomically(folder / "summary.json", json_text(json)));
-  const std::vector<Picture> among_people = dynamic_pictures(results.dynamic);
-  for (const Picture& picture : among_people) {
-    value_or_quit(write_file_atomically(folder / (picture.name + ".svg"), picture.svg));
-  }
-  value_or_quit(write_file_atomically(folder / "report.html", report(results, among_people)));
+  value_or_quit(write_file_atomically(folder / "report.html", report(results, folder)));
   write_json(session, json);
   return exit_done;
 }
@@ -230,14 +232,16 @@ void add_bench_slam(CLI::App& bench, Session& session) {
       ->delimiter(',')
       ->check(CLI::IsMember(slam_methods()));
   command->add_option("--every", options->every, "use every K-th scan (default 1)")->check(CLI::Range(1, 1000000));
-  command->add_option("--starts", options->starts, "runs without odometry from as many jittered first poses");
+  command->add_option("--starts", options->starts, "runs without odometry from as many jittered first poses")
+      ->check(CLI::Range(0, 100000));
   command->add_flag("--dynamic", options->dynamic, "incremental mapping of a simulated station among people");
   command->add_option("--places", options->places, "of --dynamic: tunnel, station (default: both)")
       ->delimiter(',')
       ->check(CLI::IsMember(dynamic_places()));
   command->add_option("--window", options->window, "scans of the sliding window of --dynamic (default 20)")
       ->check(CLI::Range(1U, 1000000U));
-  command->add_option("--long", options->long_scans, "scans of a simulated run: latency and memory");
+  command->add_option("--long", options->long_scans, "scans of a simulated run: latency and memory")
+      ->check(CLI::Range(0, 10000000));
   options->flags.add(*command, "slam", options->params.slam);
   options->flags.add(*command, "rbpf", options->params.rbpf);
   session.on(command, [&session, options] { return run(*options, session); });

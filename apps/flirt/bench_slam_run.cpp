@@ -50,12 +50,20 @@ std::vector<StampedPose> stamped(const ScanLog& log, const std::vector<Pose2>& m
 /// Against truth, relations, and the scans themselves.
 void judge(SlamRow& row, const SlamInput& input, const Session& session) {
   const std::vector<StampedPose> estimate = stamped(input.log, row.map_from_robot);
+  if (!input.relations.empty()) { row.relations = relations_error(estimate, input.relations); }
   if (!input.truth.empty() && row.method != "corrected") {
     const PairedTrajectory paired = pairs_by_stamp(estimate, input.truth);
     if (paired.pairs.empty()) { throw BadInput(input.file + ": expected scans with stamps of the truth, found none"); }
     row.ate = absolute_error(paired.pairs);
+    row.rpe = relative_error(paired.pairs);
+    if (!row.relations || row.relations->difference.translation.count == 0) {
+      std::vector<StampedPose> truth;
+      truth.reserve(paired.pairs.size());
+      for (const PosePair& pair : paired.pairs) { truth.push_back({pair.stamp, pair.truth}); }
+      row.relations = relations_error(estimate, derive_relations(truth, session.seed));
+      row.relations_source = "derived";
+    }
   }
-  if (!input.relations.empty()) { row.relations = relations_error(estimate, input.relations); }
   row.quality = map_quality(input.log, row.map_from_robot, {.seed = session.seed}, session.threads);
 }
 

@@ -11,6 +11,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -33,7 +34,9 @@ struct SlamRow {
   std::vector<Pose2> map_from_robot{};
   std::vector<std::pair<Point2, Point2>> closure_lines{};  ///< m, map frame
   std::optional<TrajectoryError> ate{};
+  std::optional<TrajectoryError> rpe{};  ///< over 1 m
   std::optional<RelationsError> relations{};
+  std::string_view relations_source{"official"};  ///< or "derived" from the truth: no official one has both stamps
   std::optional<Closures> closures{};
   MapQuality quality{};
   double cpu_seconds{0};

@@ -62,8 +62,12 @@ std::vector<std::string> printed_cells(const PrintedRow& row, RelationPart part)
 
 std::vector<std::string> found_cells(const SlamTable& table, RelationPart part) {
   std::vector<std::string> cells{table.input.name, "here", name_of(part)};
-  for (const std::string_view method : paper_methods) { cells.push_back(relation_text(row_of(table, method), part)); }
-  cells.push_back(relation_text(row_of(table, "auto"), part));
+  const auto official = [&](std::string_view method) {
+    const SlamRow* row = row_of(table, method);
+    return row != nullptr && row->relations_source == "official" ? relation_text(row, part) : "-";
+  };
+  for (const std::string_view method : paper_methods) { cells.push_back(official(method)); }
+  cells.push_back(official("auto"));
   return cells;
 }
 
@@ -71,9 +75,11 @@ std::vector<std::string> row_cells(const SlamRow& row) {
   const std::string none = "-";
   std::vector<std::string> cells{row.method, row.odometry};
   cells.push_back(row.ate ? fmt::format("{:.3f}", row.ate->translation.rmse) : none);
+  cells.push_back(row.rpe && row.rpe->translation.count > 0 ? fmt::format("{:.4f}", row.rpe->translation.rmse) : none);
   cells.push_back(relation_text(&row, RelationPart::translation));
   cells.push_back(relation_text(&row, RelationPart::rotation));
-  cells.push_back(fmt::format("{:.4f}", row.quality.point_to_line_rms));
+  if (row.relations && row.relations_source == "derived") { cells.back() += " derived"; }
+  cells.push_back(row.quality.pairs > 0 ? fmt::format("{:.4f}", row.quality.point_to_line_rms) : none);
   cells.push_back(std::to_string(row.quality.occupied_cells));
   cells.push_back(row.closures ? fmt::format("{} / {}", row.closures->accepted, row.closures->wrong) : none);
   cells.push_back(row.mapped ? fmt::format("{:.2f}", row.cpu_seconds) : none);
@@ -91,7 +97,8 @@ std::size_t width_of(const std::string& text) {
 nlohmann::ordered_json row_json(const SlamRow& row) {
   nlohmann::ordered_json json{{"method", row.method}, {"odometry", row.odometry}};
   if (row.ate) { json["ate"] = error_json(*row.ate); }
-  if (row.relations) { json["relations"] = relations_json(*row.relations, "official"); }
+  if (row.rpe) { json["rpe"] = error_json(*row.rpe); }
+  if (row.relations) { json["relations"] = relations_json(*row.relations, row.relations_source); }
   json["quality"] = quality_json(row.quality);
   if (row.closures) { json["closures"] = {{"accepted", row.closures->accepted}, {"wrong", row.closures->wrong}}; }
   if (!row.mapped) { return json; }
@@ -126,7 +133,7 @@ std::string plain_text(const TextTable& table) {
 }
 
 TextTable runs_table(const SlamTable& table) {
-  TextTable text{.header = {"method", "odometry", "ATE m", "relations m", "deg", "point-line m", "cells",
+  TextTable text{.header = {"method", "odometry", "ATE m", "RPE m", "relations m", "deg", "point-line m", "cells",
                             "loop edges / wrong", "CPU s", "worst ms", "MB"},
                  .rows = {}};
   for (const SlamRow& row : table.rows) { text.rows.push_back(row_cells(row)); }
@@ -163,12 +170,13 @@ TextTable starts_table(const std::vector<JitteredStarts>& starts) {
 std::string runs_csv(const std::vector<SlamTable>& tables) {
   std::string csv =
       "log,method,odometry,ate_m,relations,relations_m,relations_m_sd,relations_deg,relations_deg_sd,point_to_line_m,"
-      "occupied_cells,loop_edges,wrong,cpu_s,median_ms,p99_ms,worst_ms,peak_mb\n";
+      "occupied_cells,loop_edges,wrong,cpu_s,median_ms,p99_ms,worst_ms,peak_mb,rpe_m,relations_source\n";
   for (const SlamTable& table : tables) {
     for (const SlamRow& row : table.rows) {
       csv += fmt::format("{},{},{},{},", table.input.name, row.method, row.odometry,
                          row.ate ? fmt::format("{:.5f}", row.ate->translation.rmse) : "");
-      if (row.relations) {
+      const bool has_relations = row.relations && row.relations->difference.translation.count > 0;
+      if (has_relations) {
         const ErrorSummary& way = row.relations->difference.translation;
         const ErrorSummary& turn = row.relations->difference.rotation_degrees;
         csv += fmt::format("{},{:.5f},{:.5f},{:.4f},{:.4f},", way.count, way.mean, way.deviation, turn.mean,
@@ -176,11 +184,15 @@ std::string runs_csv(const std::vector<SlamTable>& tables) {
       } else {
         csv += ",,,,,";
       }
-      csv += fmt::format("{:.5f},{},", row.quality.point_to_line_rms, row.quality.occupied_cells);
+      csv += fmt::format("{},{},", row.quality.pairs > 0 ? fmt::format("{:.5f}", row.quality.point_to_line_rms) : "",
+                         row.quality.occupied_cells);
       csv += row.closures ? fmt::format("{},{},", row.closures->accepted, row.closures->wrong) : ",,";
-      csv += row.mapped ? fmt::format("{:.3f},{:.3f},{:.3f},{:.3f},{:.1f}\n", row.cpu_seconds, row.latency.median,
+      csv += row.mapped ? fmt::format("{:.3f},{:.3f},{:.3f},{:.3f},{:.1f},", row.cpu_seconds, row.latency.median,
                                       row.latency.p99, row.latency.worst, row.memory_mb)
-                        : ",,,,\n";
+                        : ",,,,,";
+      csv += fmt::format(
+          "{},{}\n", row.rpe && row.rpe->translation.count > 0 ? fmt::format("{:.5f}", row.rpe->translation.rmse) : "",
+          has_relations ? row.relations_source : "");
     }
   }
   return csv;

@@ -1,6 +1,7 @@
 // apps/flirt/bench_speed.cpp: `flirt bench speed`, how long things take and how that grows.
 #include "flirt/io/file.hpp"
 #include "flirt/io/svg.hpp"
+#include "flirt/report/html.hpp"
 
 #include "apps/flirt/command.hpp"
 #include "apps/flirt/speed_section.hpp"
@@ -33,7 +34,8 @@ struct BenchSpeedOptions {
 };
 
 std::string cell_text(const nlohmann::ordered_json& value) {
-  return value.is_string()         ? value.get<std::string>()
+  return value.is_null()           ? ""
+         : value.is_string()       ? value.get<std::string>()
          : value.is_number_float() ? fmt::format("{:.6g}", value.get<double>())
                                    : value.dump();
 }
@@ -55,19 +57,35 @@ std::string csv_of(const nlohmann::ordered_json& rows) {
   return csv;
 }
 
+/// The rows as a table, the same drawn.
+void add_section(HtmlReport& page, std::string_view name, const SpeedSection& section) {
+  page.heading("Speed: " + std::string(name));
+  std::vector<std::string> header;
+  for (const auto& [key, value] : section.rows.front().items()) { header.push_back(key); }
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& row : section.rows) {
+    std::vector<std::string>& cells = rows.emplace_back();
+    for (const auto& value : row) { cells.push_back(cell_text(value)); }
+  }
+  page.table(header, rows);
+  page.figure(svg::to_svg(section.figure), "CPU time of one thread.");
+}
+
 bool is_chosen(const BenchSpeedOptions& options, std::string_view name) {
   return std::ranges::any_of(options.sections,
                              [name](const std::string& section) { return section == "all" || section == name; });
 }
 
 int run(const BenchSpeedOptions& options, const Session& session) {
-  ParamFlags().resolve(session.config);  // no key of a file is known here
+  ParamFlags().resolve(session);  // no key of a file is known here
   nlohmann::ordered_json json;
+  HtmlReport page("How long things take, and how that grows");
   for (const Experiment& experiment : experiments) {
     if (!is_chosen(options, experiment.name)) { continue; }
     const SpeedSection section = experiment.run(options.speed, session);
     const std::string csv = csv_of(section.rows);
     json[std::string(experiment.name)] = section.rows;
+    add_section(page, experiment.name, section);
     if (!options.out.empty()) {
       const std::filesystem::path out = value_or_quit(folder_for_results(options.out));
       const std::string name = "speed-" + std::string(experiment.name);
@@ -83,6 +101,7 @@ int run(const BenchSpeedOptions& options, const Session& session) {
   if (!options.out.empty()) {
     const std::filesystem::path out = value_or_quit(folder_for_results(options.out));
     value_or_quit(write_file_atomically(out / "speed.json", json_text(json)));
+    value_or_quit(write_file_atomically(out / "report.html", page.text()));
   }
   write_json(session, json);
   return exit_done;
@@ -108,7 +127,8 @@ void add_bench_speed(CLI::App& bench, Session& session) {
       ->check(CLI::Range(200.0, 1e6));
   command->add_option("--queries", options->speed.queries, "scans localized in each map (default 100)")
       ->check(CLI::Range(1, 100000));
-  command->add_option("-o,--output", options->out, "folder for speed.json and a CSV and an SVG file for each section");
+  command->add_option("-o,--output", options->out,
+                      "folder for speed.json, report.html, and a CSV and an SVG file for each section");
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

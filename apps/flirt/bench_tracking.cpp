@@ -168,8 +168,7 @@ std::vector<DriveOutcome> all_outcomes(const BenchTrackingOptions& options, cons
 }
 
 int run(BenchTrackingOptions& options, const Session& session) {
-  options.localize.set_seed(session.seed);
-  options.params.resolve(session.config);
+  options.params.resolve(session, {"ransac"});
   options.bench.seed = session.seed;
   options.bench.tracker.localize = options.localize.localize();
   if (options.bench.tracker.localize.method == LocalizeMethod::papers) {
@@ -177,7 +176,8 @@ int run(BenchTrackingOptions& options, const Session& session) {
   }
   const ScanLog log = log_to_track(options.log, session);
   const PlaceMap map = value_or_quit(
-      build_place_map(log, options.features.features(), session.threads, progress_bar(session, "features")));
+      build_place_map(log, options.features.features(), session.threads, progress_bar(session, "features")),
+      options.log);
   const std::vector<DriveOutcome> outcomes = all_outcomes(options, session, log, map);
   std::vector<TrackingSummary> summaries;
   for (const auto& [kind, name] : enum_names(DriveKind{})) {

@@ -6,6 +6,7 @@
 
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -23,24 +24,36 @@ CLI::App* add_command(CLI::App& program, Session& session, const std::string& na
   command->add_option("--config", session.config, "TOML file with parameters; flags win over it");
   command->add_option("--threads", session.threads, "threads, 0 for one per processor (default 0)")
       ->check(CLI::Range(0, 1024));
-  command->add_option("--seed", session.seed, "seed of everything random (default 0)");
+  command->add_option("--seed", session.seed, "seed of everything random (default 0)")
+      ->each([&session](const std::string& /*text*/) { session.is_seed_given = true; });
   command->add_flag("--quiet", session.quiet, "print nothing but errors");
   command->footer("Example: " + example);
   return command;
 }
 
 void check_numbers(CLI::App& program) {
-  const auto not_negative = [](const std::string& text) {
-    return text.starts_with('-') ? "expected a number of 0 or more, found " + text : std::string();
+  const auto unsigned_number = [](const std::string& text) -> std::string {
+    if (text.starts_with('-')) { return "expected a number of 0 or more, found " + text; }
+    errno = 0;
+    std::strtoull(text.c_str(), nullptr, 0);
+    return errno == ERANGE ? "expected a number of up to 2^64 - 1, found " + text : "";
   };
   const auto finite = [](const std::string& text) {
     return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "expected a finite number, found " + text;
   };
   for (CLI::Option* option : program.get_options()) {
-    if (option->get_type_name().starts_with("UINT")) { option->check(CLI::Validator(not_negative, "")); }
+    if (option->get_type_name().starts_with("UINT")) { option->check(CLI::Validator(unsigned_number, "")); }
     if (option->get_type_name().starts_with("FLOAT")) { option->check(CLI::Validator(finite, "")); }
   }
   for (CLI::App* command : program.get_subcommands({})) { check_numbers(*command); }
+}
+
+std::string expect_at_least_0(const std::string& text) {
+  return std::strtod(text.c_str(), nullptr) < 0 ? "expected a number of 0 or more, found " + text : "";
+}
+
+std::string expect_above_0(const std::string& text) {
+  return std::strtod(text.c_str(), nullptr) <= 0 ? "expected a number above 0, found " + text : "";
 }
 
 std::string json_text(const nlohmann::ordered_json& json, int indent) {
@@ -84,6 +97,10 @@ Progress progress_bar(const Session& session, const std::string& label) {
                  done > 0 ? seconds / done - seconds : 0.0);
     if (percent == 100) { std::fprintf(stderr, "\r\033[K"); }
   };
+}
+
+nlohmann::ordered_json stage_json(double us) {
+  return us > 0 ? nlohmann::ordered_json(us) : nlohmann::ordered_json(nullptr);
 }
 
 nlohmann::ordered_json provenance() {

@@ -7,7 +7,7 @@
 //     CLI::App* command = add_command(program, session, "info", "What a log holds.", "flirt info run.log.gz");
 //     command->add_option("LOG", options->log, "log file")->required();
 //     options->params.add(*command, "ransac", options->ransac);     // --ransac-inlier-distance and so on
-//     session.on(command, [&session, options] { options->params.resolve(session.config); ...; return exit_done; });
+//     session.on(command, [&session, options] { options->params.resolve(session); ...; return exit_done; });
 //   }
 //
 // Commands that make features use feature_flags.hpp for --detector, --descriptor and their parameters.
@@ -40,10 +40,10 @@ struct UsageError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The value, or the end of the command with its error.
+/// The value, or the end of the command with its error; `file`: what the error is about, where it does not say so.
 template <class T>
-T value_or_quit(Result<T> result) {
-  if (!result) { throw BadInput(result.error().message); }
+T value_or_quit(Result<T> result, const std::string& file = {}) {
+  if (!result) { throw BadInput((file.empty() ? "" : file + ": ") + result.error().message); }
   if constexpr (!std::is_void_v<T>) { return std::move(*result); }
 }
 
@@ -53,6 +53,7 @@ struct Session {
   std::string config;  ///< TOML file with parameters
   std::size_t threads{0};
   std::uint64_t seed{0};
+  bool is_seed_given{false};  ///< by --seed
   bool quiet{false};
   std::function<int()> run;
 
@@ -71,9 +72,14 @@ CLI::App* add_command(CLI::App& program, Session& session, const std::string& na
 
 /// As all results are written: an end of line after it, and bytes that are no UTF-8 (in names of files) replaced.
 std::string json_text(const nlohmann::ordered_json& json, int indent = 2);
-/// Lets options that take numbers take nothing else: CLI11 reads -1 as 2^64 − 1, and nan as within every range. Call
+/// Lets options that take numbers take nothing else: CLI11 reads -1 as 2^64 − 1, as all that is larger, and
+/// nan as within every range. Call
 /// when all commands are added.
 void check_numbers(CLI::App& program);
+
+/// Checks for numbers of at least 0, and above it: CLI11's own name the end of the range in 309 digits.
+std::string expect_at_least_0(const std::string& text);
+std::string expect_above_0(const std::string& text);
 
 /// Writes `result` where --json says (file: atomically), two-space indented; nothing without --json.
 void write_json(const Session& session, const nlohmann::ordered_json& result);
@@ -85,6 +91,9 @@ Result<std::filesystem::path> folder_for_results(const std::string& folder);
 
 /// A bar on stderr when it is a terminal, not --quiet, and the work takes more than a second; else silent.
 Progress progress_bar(const Session& session, const std::string& label);
+
+/// What a stage took, µs; null where it did not run.
+nlohmann::ordered_json stage_json(double us);
 
 /// Version, commit and processor, as results carry them: {version, commit, cpu}.
 nlohmann::ordered_json provenance();

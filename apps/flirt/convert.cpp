@@ -184,7 +184,7 @@ void write_log(const ConvertOptions& options, Content& content) {
 }
 
 int run(const ConvertOptions& options, const Session& session) {
-  ParamFlags().resolve(session.config);  // no key of a file is known here
+  ParamFlags().resolve(session);  // no key of a file is known here
   const FileFormat to = target(options);
   Content content = read(options, session);
   switch (to) {

@@ -191,7 +191,7 @@ void write_figure(const DetectOptions& options, const ScanLog& log, const Featur
 }
 
 int run(const Session& session, const DetectOptions& options) {
-  options.params.resolve(session.config);
+  options.params.resolve(session);
   const FeatureParams params = options.features.features();
   const ScanLog log = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading"))).log;
   if (log.scans.empty()) { throw BadInput(options.log + ": expected scans, found none"); }

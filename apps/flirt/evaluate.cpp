@@ -110,11 +110,12 @@ nlohmann::ordered_json without_truth(const EvaluateOptions& options, const Sessi
   }
   const MapQuality quality = map_quality(log, log.map_from_robot, options.quality, session.threads);
   if (session.talks()) {
-    fmt::print(
-        "{} scans with a pose\n  point to line          rms {:.4f} m over {} pairs of scans, {} points\n"
-        "  occupied cells         {} of {:g} m\n",
-        log.scans.size(), quality.point_to_line_rms, quality.pairs, quality.points, quality.occupied_cells,
-        options.quality.cell_size);
+    const std::string sharpness = quality.pairs == 0
+                                      ? "nothing to compare"
+                                      : fmt::format("rms {:.4f} m over {} pairs of scans, {} points",
+                                                    quality.point_to_line_rms, quality.pairs, quality.points);
+    fmt::print("{} scans with a pose\n  point to line          {}\n  occupied cells         {} of {:g} m\n",
+               log.scans.size(), sharpness, quality.occupied_cells, options.quality.cell_size);
   }
   nlohmann::ordered_json json{{"log", options.scans}, {"scans", log.scans.size()}};
   json.update(quality_json(quality));
@@ -125,8 +126,7 @@ int run(EvaluateOptions& options, const Session& session) {
   if (options.truth.empty() && options.relations.empty() && options.scans.empty()) {
     throw UsageError("evaluate: expected --truth, --relations or --scans to evaluate against, found none");
   }
-  options.quality.seed = session.seed;
-  options.params.resolve(session.config);
+  options.params.resolve(session, {"quality"});
   const std::vector<StampedPose> estimate = value_or_quit(read_trajectory(options.estimate));
   nlohmann::ordered_json json{
       {"estimate", options.estimate}, {"poses", estimate.size()}, {"stamp_tolerance_s", options.stamp_tolerance}};
@@ -155,9 +155,9 @@ void add_evaluate(CLI::App& program, Session& session) {
   command
       ->add_option("--stamp-tolerance", options->stamp_tolerance,
                    "s; stamps that differ by no more are the same moment (default 0.0005)")
-      ->check(CLI::NonNegativeNumber);
+      ->check(expect_at_least_0);
   command->add_option("--rpe-path", options->rpe_path, "m of the way that the relative error is over (default 1)")
-      ->check(CLI::PositiveNumber);
+      ->check(expect_above_0);
   options->params.add(*command, "quality", options->quality);
   session.on(command, [&session, options] { return run(*options, session); });
 }

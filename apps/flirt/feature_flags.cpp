@@ -1,12 +1,33 @@
 #include "apps/flirt/feature_flags.hpp"
 
+#include <fmt/format.h>
+
+#include <array>
+#include <span>
+#include <vector>
+
 namespace flirt::app {
+namespace {
+
+constexpr std::array detector_choices{"curvature", "range", "normal-edge", "normal-blob"};
+constexpr std::array descriptor_choices{"beta-grid", "shape-context"};
+
+/// The parameters of the other choices would have no effect.
+void expect_only(const ParamFlags& params, const std::string& flag, const std::string& chosen,
+                 std::span<const char* const> choices) {
+  for (const std::string choice : choices) {
+    if (choice != chosen) { params.expect_none(choice, fmt::format("{} {}", flag, choice)); }
+  }
+}
+
+}  // namespace
 
 void FeatureFlags::add(CLI::App& command, ParamFlags& params) {
+  params_ = &params;
   command.add_option("--detector", detector_, "curvature, range, normal-edge or normal-blob (default curvature)")
-      ->check(CLI::IsMember({"curvature", "range", "normal-edge", "normal-blob"}));
+      ->check(CLI::IsMember(std::vector<std::string>(detector_choices.begin(), detector_choices.end())));
   command.add_option("--descriptor", descriptor_, "beta-grid or shape-context (default beta-grid)")
-      ->check(CLI::IsMember({"beta-grid", "shape-context"}));
+      ->check(CLI::IsMember(std::vector<std::string>(descriptor_choices.begin(), descriptor_choices.end())));
   params.add(command, "curvature", curvature_);
   params.add(command, "range", range_);
   params.add(command, "normal-edge", normal_edge_);
@@ -16,6 +37,8 @@ void FeatureFlags::add(CLI::App& command, ParamFlags& params) {
 }
 
 FeatureParams FeatureFlags::features() const {
+  expect_only(*params_, "--detector", detector_, detector_choices);
+  expect_only(*params_, "--descriptor", descriptor_, descriptor_choices);
   FeatureParams features;
   if (detector_ == "range") {
     features.detector = range_;

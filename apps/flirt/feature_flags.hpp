@@ -13,12 +13,13 @@ namespace flirt::app {
 /// Choice of detector and descriptor with their parameters: flags --curvature-…, --beta-grid-… and so on.
 class FeatureFlags {
  public:
-  /// Adds the flags to `command`; the parameters are resolved with `params`. This object must outlive the parsing.
+  /// Adds the flags to `command`; the parameters are resolved with `params`. Both objects must outlive the parsing.
   void add(CLI::App& command, ParamFlags& params);
-  /// What was asked for; call after `params.resolve`.
+  /// What was asked for; call after `params.resolve`. Parameters of what was not asked for are refused.
   [[nodiscard]] FeatureParams features() const;
 
  private:
+  const ParamFlags* params_{nullptr};
   std::string detector_{"curvature"};
   std::string descriptor_{"beta-grid"};
   CurvatureParams curvature_;

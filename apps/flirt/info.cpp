@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -37,6 +38,12 @@ std::string beams_text(const LogSummary& summary) {
   return fmt::format("{} to {} beams", summary.fewest_beams, summary.most_beams);
 }
 
+/// One that tells angles and ranges: the first with beams.
+const Scan& typical_scan(const ScanLog& log) {
+  const auto found = std::ranges::find_if(log.scans, [](const Scan& scan) { return !scan.ranges.empty(); });
+  return found == log.scans.end() ? log.scans.front() : *found;
+}
+
 std::string angles_text(const Scan& scan) {
   if (scan.ranges.empty()) { return "none"; }
   return fmt::format("{:.3f} to {:.3f} deg in steps of {:.4f} deg{}", degrees_from_radians(scan.beams.angle_min),
@@ -59,7 +66,7 @@ std::string path_text(const PathSummary& path) {
 
 void print_text(const InfoOptions& options, const LoadedLog& loaded, const LogSummary& summary) {
   const LogReport& report = loaded.report;
-  const Scan& scan = loaded.log.scans.front();
+  const Scan& scan = typical_scan(loaded.log);
   const Pose2& laser = scan.robot_from_sensor;
   print_line("log", options.log);
   print_line("format",
@@ -128,7 +135,7 @@ nlohmann::ordered_json stamps_json(const StampSummary& stamps, const LogReport& 
 
 nlohmann::ordered_json as_json(const InfoOptions& options, const LoadedLog& loaded, const LogSummary& summary) {
   const LogReport& report = loaded.report;
-  const Scan& scan = loaded.log.scans.front();
+  const Scan& scan = typical_scan(loaded.log);
   const Pose2& laser = scan.robot_from_sensor;
   nlohmann::ordered_json poses{{"source", to_string(report.poses)},
                                {"odometry_repeats_pose", report.odometry_repeats_pose}};
@@ -156,7 +163,7 @@ nlohmann::ordered_json as_json(const InfoOptions& options, const LoadedLog& load
 }
 
 int run(const Session& session, const InfoOptions& options) {
-  ParamFlags().resolve(session.config);  // no key of a file is known here
+  ParamFlags().resolve(session);  // no key of a file is known here
   const LoadedLog loaded =
       value_or_quit(read_log(options.log, options.reading.options(), progress_bar(session, "reading")));
   const LogSummary summary = summarize(loaded.log);

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <string_view>
+#include <utility>
 
 namespace flirt::app {
 namespace {
@@ -14,18 +16,26 @@ nlohmann::ordered_json pair_of(Interval interval) {
   return {interval.low, interval.high};
 }
 
+/// Of a share whose count is known.
+nlohmann::ordered_json wilson_of(double share, std::size_t total) {
+  const auto hits = static_cast<std::size_t>(std::lround(share * static_cast<double>(total)));
+  return pair_of(Rate{hits, total}.wilson());
+}
+
 nlohmann::ordered_json strategy_json(const StrategyCurve& curve) {
   nlohmann::ordered_json json{{"p_gl", curve.p_gl().value()},
                               {"p_gl_wilson", pair_of(curve.p_gl().wilson())},
                               {"p_gl_bootstrap", pair_of(curve.recall_bootstrap)},
                               {"p_gl_as_precision", curve.precision_at_least().value()},
+                              {"p_gl_as_precision_wilson", pair_of(curve.precision_at_least().wilson())},
                               {"p_cl", curve.p_cl()},
-                              {"precision", nlohmann::ordered_json::array()},
-                              {"recall", nlohmann::ordered_json::array()},
+                              {"p_cl_wilson", wilson_of(curve.p_cl(), curve.p_gl().total)},
                               {"n_min", curve.n_min}};
   for (std::size_t k = 0; k < curve.n_min.size(); ++k) {
     json["precision"].push_back(curve.precision[k].value());
+    json["precision_wilson"].push_back(pair_of(curve.precision[k].wilson()));
     json["recall"].push_back(curve.recall[k].value());
+    json["recall_wilson"].push_back(pair_of(curve.recall[k].wilson()));
   }
   return json;
 }
@@ -37,7 +47,8 @@ nlohmann::ordered_json reliability_json(const RevisitSummary& summary) {
                     {"to", std::min(1.0, bin.high)},
                     {"mean_confidence", bin.mean_confidence},
                     {"answers", bin.right.total},
-                    {"right", bin.right.value()}});
+                    {"right", bin.right.value()},
+                    {"right_wilson", pair_of(bin.right.wilson())}});
   }
   return json;
 }
@@ -45,7 +56,9 @@ nlohmann::ordered_json reliability_json(const RevisitSummary& summary) {
 nlohmann::ordered_json nees_json(const Coverage& nees) {
   return {{"answers", nees.within_50.total},
           {"within_50", nees.within_50.value()},
+          {"within_50_wilson", pair_of(nees.within_50.wilson())},
           {"within_90", nees.within_90.value()},
+          {"within_90_wilson", pair_of(nees.within_90.wilson())},
           {"within_95", nees.within_95.value()},
           {"within_95_wilson", pair_of(nees.within_95.wilson())},
           {"median", nees.median}};
@@ -79,19 +92,27 @@ nlohmann::ordered_json ablation_json(std::span<const LocalizationVariantRow> row
 }
 
 nlohmann::ordered_json revisit_json(const RevisitSummary& summary) {
-  return {{"recall_at_95", recall_at_precision(summary.curve, 0.95)},
-          {"recall_at_99", recall_at_precision(summary.curve, 0.99)},
-          {"recall_at_100", recall_at_precision(summary.curve, 1.0)},
-          {"average_precision", average_precision(summary.curve)},
-          {"unique_right", summary.unique_right.value()},
-          {"unique_found", summary.unique_found.value()},
-          {"reliability", reliability_json(summary)},
-          {"success", summary.success.value()},
-          {"success_wilson", pair_of(summary.success.wilson())},
-          {"success_bootstrap", pair_of(summary.success_bootstrap)},
-          {"success_025m_5deg", summary.precise_success.value()},
-          {"success_025m_5deg_wilson", pair_of(summary.precise_success.wilson())},
-          {"nees", nees_json(summary.nees)}};
+  nlohmann::ordered_json json;
+  for (const auto& [key, precision] :
+       {std::pair{"recall_at_95", 0.95}, {"recall_at_99", 0.99}, {"recall_at_100", 1.0}}) {
+    const double recall = recall_at_precision(summary.curve, precision);
+    json[key] = recall;
+    json[std::string(key) + "_wilson"] = wilson_of(recall, summary.success.total);
+  }
+  json.update({{"average_precision", average_precision(summary.curve)},
+               {"unique_right", summary.unique_right.value()},
+               {"unique_right_wilson", pair_of(summary.unique_right.wilson())},
+               {"unique_found", summary.unique_found.value()},
+               {"unique_found_wilson", pair_of(summary.unique_found.wilson())},
+               {"reliability", reliability_json(summary)},
+               {"success", summary.success.value()},
+               {"success_wilson", pair_of(summary.success.wilson())},
+               {"success_bootstrap", pair_of(summary.success_bootstrap)},
+               {"success_025m_5deg", summary.precise_success.value()},
+               {"success_025m_5deg_wilson", pair_of(summary.precise_success.wilson())},
+               {"success_025m_5deg_bootstrap", pair_of(summary.precise_bootstrap)},
+               {"nees", nees_json(summary.nees)}});
+  return json;
 }
 
 void append_line(std::string& csv, const LocalizationAnswer& answer, std::string_view strategy) {
@@ -133,10 +154,11 @@ nlohmann::ordered_json localization_json(const LocalizationRun& run, const Sessi
                               {"answerable", bench.answerable},
                               {"features_per_scan", bench.features_per_scan}};
   if (!run.poses.empty()) { json["poses"] = run.poses; }
+  json["strategies"] = nlohmann::ordered_json::object();
   for (const StrategyCurve& curve : bench.strategies) {
     json["strategies"][std::string(to_string(curve.strategy))] = strategy_json(curve);
   }
-  if (bench.revisit) { json["revisit"] = revisit_json(*bench.revisit); }
+  json["revisit"] = bench.revisit ? revisit_json(*bench.revisit) : nlohmann::ordered_json(nullptr);
   if (!run.distractors.empty()) {
     nlohmann::ordered_json& json_of = json["revisit"]["distractors"] = distractors_json(all_distractors(run));
     for (const DistractorRun& other : run.distractors) {
@@ -146,19 +168,17 @@ nlohmann::ordered_json localization_json(const LocalizationRun& run, const Sessi
     }
   }
   if (!run.ablation.empty()) { json["ablation"] = ablation_json(run.ablation); }
-  json["time_us"] = {{"detect", bench.times.detect_median},
-                     {"describe", bench.times.describe_median},
-                     {"per_query_median", bench.times.per_query_median},
-                     {"per_query_p95", bench.times.per_query_p95},
-                     {"per_pair", bench.times.per_pair},
-                     {"search", bench.times.search_median},
-                     {"rank", bench.times.rank_median},
-                     {"refine", bench.times.refine_median},
-                     {"prepare", bench.times.prepare_median}};
+  const LocalizationTimes& times = bench.times;
+  json["time_us"] = {{"detect", stage_json(times.detect_median)},  {"describe", stage_json(times.describe_median)},
+                     {"per_query_median", times.per_query_median}, {"per_query_p95", times.per_query_p95},
+                     {"per_pair", stage_json(times.per_pair)},     {"search", stage_json(times.search_median)},
+                     {"rank", stage_json(times.rank_median)},      {"refine", stage_json(times.refine_median)},
+                     {"prepare", stage_json(times.prepare_median)}};
   json["map_scans"] = bench.map_scans;
   json["every"] = run.every;
   if (run.join > 1) { json["join"] = run.join; }
   json["method"] = bench.revisit ? run.method : "papers";
+  json["feature_params"] = run.feature_params;
   json["params"] = run.params;
   json["seed"] = session.seed;
   json.update(provenance());

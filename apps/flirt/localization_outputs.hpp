@@ -28,6 +28,7 @@ struct LocalizationRun {
   std::string method;
   std::size_t every{1};
   std::size_t join{1};
+  nlohmann::ordered_json feature_params;
   nlohmann::ordered_json params;
   LocalizationBench bench{};
   std::vector<DistractorRun> distractors{};

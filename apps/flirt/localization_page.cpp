@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <span>
+#include <utility>
 
 namespace flirt::app {
 namespace {
@@ -120,16 +121,20 @@ std::vector<std::vector<std::string>> revisit_rows(const RevisitSummary& summary
 }
 
 std::vector<std::vector<std::string>> time_rows(const LocalizationBench& bench) {
-  const auto us = [](double value) { return fmt::format("{:.1f}", value); };
-  return {{"detect a scan, median", us(bench.times.detect_median)},
-          {"describe its keypoints, median", us(bench.times.describe_median)},
-          {"one query against the map, median", us(bench.times.per_query_median)},
-          {"one query against the map, 95th percentile", us(bench.times.per_query_p95)},
-          {"  keypoints against all map scans, a pair, mean", us(bench.times.per_pair)},
-          {"  coarse candidates, median", us(bench.times.search_median)},
-          {"  candidates ranked by their beams, median", us(bench.times.rank_median)},
-          {"  refinement, score, verdict, median", us(bench.times.refine_median)},
-          {"neighbours taken out of the map (protocol only)", us(bench.times.prepare_median)}};
+  const LocalizationTimes& times = bench.times;
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [stage, us] : {std::pair{"detect a scan, median", times.detect_median},
+                                  {"describe its keypoints, median", times.describe_median},
+                                  {"one query against the map, median", times.per_query_median},
+                                  {"one query against the map, 95th percentile", times.per_query_p95},
+                                  {"  keypoints against all map scans, a pair, mean", times.per_pair},
+                                  {"  coarse candidates, median", times.search_median},
+                                  {"  candidates ranked by their beams, median", times.rank_median},
+                                  {"  refinement, score, verdict, median", times.refine_median},
+                                  {"neighbours taken out of the map (protocol only)", times.prepare_median}}) {
+    if (us > 0) { rows.push_back({stage, fmt::format("{:.1f}", us)}); }  // 0: it did not run
+  }
+  return rows;
 }
 
 std::vector<std::vector<std::string>> reliability_rows(const RevisitSummary& summary) {

@@ -2,6 +2,7 @@
 #include "flirt/map/localize.hpp"
 
 #include "flirt/core/parallel.hpp"
+#include "flirt/io/feature_params_json.hpp"
 #include "flirt/io/file.hpp"
 #include "flirt/io/flirt_map.hpp"
 #include "flirt/io/log.hpp"
@@ -173,6 +174,7 @@ int run_track(LocalizeOptions& options, const Session& session, const PlaceMap& 
   nlohmann::ordered_json json{{"map", options.map}, {"log", options.log}};
   json.update(track_json(driven, tracked, options.hypotheses));
   json["method"] = options.flags.method();
+  json["feature_params"] = json_from_feature_params(map.feature_params());
   json["params"] = options.params.json();
   json["seed"] = session.seed;
   json.update(provenance());
@@ -183,12 +185,12 @@ int run_track(LocalizeOptions& options, const Session& session, const PlaceMap& 
     }
     fmt::print("{}", track_text(driven, tracked));
   }
-  return summarise(tracked).unique == 0 ? exit_not_found : exit_done;
+  const TrackSummary summary = summarise(tracked);
+  return summary.lost == summary.scans ? exit_not_found : exit_done;
 }
 
 int run(LocalizeOptions& options, const Session& session) {
-  options.flags.set_seed(session.seed);
-  options.params.resolve(session.config);
+  options.params.resolve(session, {"ransac"});
   options.localize = options.flags.localize();
   const PlaceMap map = value_or_quit(read_place_map(options.map));
   check_options(options, map);
@@ -207,6 +209,7 @@ int run(LocalizeOptions& options, const Session& session) {
   }
   if (options.join > 1) { json.update({{"join", options.join}, {"odometry", driven.odometry}}); }
   json["method"] = options.flags.method();
+  json["feature_params"] = json_from_feature_params(map.feature_params());
   json["params"] = options.params.json();
   json["seed"] = session.seed;
   json.update(provenance());

@@ -12,15 +12,7 @@ void LocalizeFlags::add(CLI::App& command, ParamFlags& params) {
                   "where candidate poses come from: dense search, votes of features, auto, or the papers' matching of "
                   "single scans (default auto)")
       ->check(CLI::IsMember(names));
-  command
-      .add_option("--largest-dense", params_.largest_dense,
-                  "m² that a dense search may run over before auto asks the features (default 1000000)")
-      ->check(CLI::NonNegativeNumber);
-  command
-      .add_option("--few-legs", params_.few_legs,
-                  "share of a scan on legs up to which it is read again with them when it is not unique without; 0: "
-                  "never (default 0.1)")
-      ->check(CLI::Range(0.0, 1.0));
+  params.add(command, "localize", params_, {}, FlagNames::plain);
   params.add(command, "fields", params_.fields);
   params.add(command, "search", params_.search);
   params.add(command, "landmarks", params_.landmarks);

@@ -7,7 +7,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include <cstdint>
 #include <string>
 
 namespace flirt::app {
@@ -17,8 +16,6 @@ class LocalizeFlags {
   /// This object must outlive `params.resolve`.
   void add(CLI::App& command, ParamFlags& params);
 
-  /// That of the command; call before `params.resolve`, so that --ransac-seed wins.
-  void set_seed(std::uint64_t seed) { params_.papers.ransac.seed = seed; }
   /// As resolved; call after parsing and `params.resolve`.
   [[nodiscard]] LocalizeParams localize() const;
   [[nodiscard]] const std::string& method() const { return method_; }

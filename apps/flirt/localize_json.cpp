@@ -1,5 +1,7 @@
 #include "apps/flirt/localize_json.hpp"
 
+#include "apps/flirt/command.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -64,12 +66,12 @@ nlohmann::ordered_json answer_json(std::size_t scan, const LocalizationResult& r
                               {"points", result.points},
                               {"time_us", times.total_us()},
                               {"stages_us",
-                               {{"detect", times.detect_us},
-                                {"describe", times.describe_us},
-                                {"match", times.match_us},
-                                {"search", times.search_us},
-                                {"rank", times.rank_us},
-                                {"refine", times.refine_us}}},
+                               {{"detect", stage_json(times.detect_us)},
+                                {"describe", stage_json(times.describe_us)},
+                                {"match", stage_json(times.match_us)},
+                                {"search", stage_json(times.search_us)},
+                                {"rank", stage_json(times.rank_us)},
+                                {"refine", stage_json(times.refine_us)}}},
                               {"places", result.hypotheses.size()},
                               {"hypotheses", nlohmann::ordered_json::array()}};
   for (std::size_t i = 0; i < std::min(result.hypotheses.size(), detail.most_places); ++i) {

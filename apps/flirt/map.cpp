@@ -86,20 +86,20 @@ void finish(const MapOptions& options, const Session& session, const PlaceMap& m
 
 void map_grid(const MapOptions& options, const Session& session) {
   const GridMapImage grid = value_or_quit(read_grid_map(options.log));
-  const Result<PlaceMap> map =
-      place_map_from_grid(grid.image, grid.metadata, options.grid, options.features.features(), session.threads,
-                          progress_bar(session, "features"), options.kept_variances());
-  if (!map) { throw BadInput(options.log + ": " + map.error().message); }
-  finish(options, session, *map, "virtual");
+  const PlaceMap map =
+      value_or_quit(place_map_from_grid(grid.image, grid.metadata, options.grid, options.features.features(),
+                                        session.threads, progress_bar(session, "features"), options.kept_variances()),
+                    options.log);
+  finish(options, session, map, "virtual");
 }
 
 void map_log(const MapOptions& options, const Session& session) {
   LoadedLog loaded = read_posed_log(options.log, options.poses, session);
-  const Result<PlaceMap> map =
-      build_place_map(thinned(std::move(loaded.log), options.every), options.features.features(), session.threads,
-                      progress_bar(session, "features"), options.kept_variances());
-  if (!map) { throw BadInput(options.log + ": " + map.error().message); }
-  finish(options, session, *map, to_string(loaded.report.poses));
+  const PlaceMap map =
+      value_or_quit(build_place_map(thinned(std::move(loaded.log), options.every), options.features.features(),
+                                    session.threads, progress_bar(session, "features"), options.kept_variances()),
+                    options.log);
+  finish(options, session, map, to_string(loaded.report.poses));
   if (session.talks() && loaded.report.poses == PoseSource::odometry) {
     fmt::print("the poses of this log are raw odometry: the map is as wrong as they are\n");
   }
@@ -107,10 +107,11 @@ void map_log(const MapOptions& options, const Session& session) {
 
 int run(MapOptions& options, const Session& session) {
   const bool is_grid = is_grid_map(options);
-  options.params.resolve(session.config);
+  options.params.resolve(session);
   if (is_grid) {
     map_grid(options, session);
   } else {
+    options.params.expect_none("grid", "a grid map");
     map_log(options, session);
   }
   return exit_done;

@@ -1,6 +1,7 @@
 // apps/flirt/match.cpp: `flirt match`, the rigid motion between two scans from their keypoints, checked by all beams.
 #include "flirt/match/match.hpp"
 
+#include "flirt/io/feature_params_json.hpp"
 #include "flirt/io/file.hpp"
 #include "flirt/io/log.hpp"
 #include "flirt/io/svg.hpp"
@@ -142,6 +143,7 @@ nlohmann::ordered_json outcome_json(const MatchOptions& options, const Outcome& 
     const Pose2& pose = *outcome.reference_from_query;
     json["displacement_in_log"] = {{"x", pose.x}, {"y", pose.y}, {"theta", pose.theta}};
   }
+  json["feature_params"] = json_from_feature_params(options.features.features());
   json["params"] = options.params.json();
   json.update(provenance());
   return json;
@@ -298,8 +300,7 @@ void add_match(CLI::App& program, Session& session) {
   options->params.add(*command, "ransac", options->ransac);
   options->params.add(*command, "verify", options->verify);
   session.on(command, [&session, options] {
-    options->ransac.seed = session.seed;
-    options->params.resolve(session.config);
+    options->params.resolve(session, {"ransac"});
     const Outcome outcome = find_alignment(*options, session);
     if (session.talks()) { print(*options, outcome); }
     write_json(session, outcome_json(*options, outcome));

@@ -14,10 +14,6 @@
 namespace flirt::app {
 namespace {
 
-std::string flag_name(const ParamField& field) {
-  return "--" + field.group + "-" + kebab_case(field.name);
-}
-
 std::string number_text(double value) {
   std::ostringstream text;
   text << value;
@@ -57,7 +53,7 @@ std::string kebab_case(std::string_view name) {
 namespace detail {
 
 void reject(const ParamField& field, const std::string& expected, const std::string& found) {
-  throw UsageError(flag_name(field) + ": expected " + expected + ", found '" + found + "'");
+  throw UsageError(field.flag + ": expected " + expected + ", found '" + found + "'");
 }
 
 std::string describe_range(const Field& field) {
@@ -101,12 +97,12 @@ void ParamFlags::bind(CLI::App& command, const std::shared_ptr<ParamField>& fiel
   fields_.push_back(field);
   command
       .add_option_function<std::string>(
-          flag_name(*field), [field](const std::string& text) { field->flag_text = text; }, help)
+          field->flag, [field](const std::string& text) { field->flag_text = text; }, help)
       ->group(field->group + " parameters");
 }
 
-void ParamFlags::resolve(const std::string& config) const {
-  if (!config.empty()) {
+void ParamFlags::resolve(const Session& session, std::initializer_list<std::string_view> seeded) const {
+  if (const std::string& config = session.config; !config.empty()) {
     const toml::table parsed = parse_file(config);
     for (const auto& [group, node] : parsed) {
       const auto* table = node.as_table();
@@ -134,6 +130,8 @@ void ParamFlags::resolve(const std::string& config) const {
     }
   }
   for (const auto& field : fields_) {
+    const bool is_seeded = field->name == "seed" && std::ranges::find(seeded, field->group) != seeded.end();
+    if (is_seeded && session.is_seed_given) { field->set(std::to_string(session.seed)); }
     if (field->flag_text) { field->set(*field->flag_text); }
   }
 }
@@ -141,7 +139,7 @@ void ParamFlags::resolve(const std::string& config) const {
 void ParamFlags::expect_none(std::string_view group, const std::string& needed) const {
   for (const auto& field : fields_) {
     if (field->group != group) { continue; }
-    const std::string message = flag_name(*field) + ": expected only with " + needed;
+    const std::string message = field->flag + ": expected only with " + needed;
     if (field->flag_text) { throw UsageError(message); }
     if (!field->file_location.empty()) { throw BadInput(field->file_location + message); }
   }

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <initializer_list>
 #include <memory>
@@ -17,27 +18,36 @@
 
 namespace flirt::app {
 
+struct Session;
+
 /// One field of one struct, type-erased.
 struct ParamField {
   std::string group;  ///< TOML table and flag prefix, kebab-case
   std::string name;   ///< field, snake_case
+  std::string flag;   ///< with its dashes
   std::optional<std::string> flag_text;
   std::string file_location;                         ///< "FILE:LINE: " where the configuration file has a value
   std::function<void(const std::string& text)> set;  ///< throws UsageError when text is no such value or out of range
   std::function<nlohmann::ordered_json()> get;
 };
 
-/// Parameter structs bound to flags `--GROUP-FIELD` and to keys `field` of the TOML table `[group]`.
+enum class FlagNames : std::uint8_t {
+  of_group,  ///< --GROUP-FIELD
+  plain,     ///< --FIELD
+};
+
+/// Parameter structs bound to flags and to keys `field` of the TOML table `[group]`.
 class ParamFlags {
  public:
   /// `params` must outlive this object's `resolve`. Fields named in `without` are the command's own affair.
   template <class Params>
   void add(CLI::App& command, const std::string& group, Params& params,
-           std::initializer_list<std::string_view> without = {});
+           std::initializer_list<std::string_view> without = {}, FlagNames names = FlagNames::of_group);
 
-  /// Defaults < file < flags. Call once after parsing. `config` may be empty (no file). Unknown keys are an error, so
-  /// that a typing mistake does not silently do nothing; the top-level tables of other groups are errors, too.
-  void resolve(const std::string& config) const;
+  /// Defaults < file < --seed < flags. Call once after parsing. Unknown keys of the file are an error, so that a typing
+  /// mistake does not silently do nothing; the top-level tables of other groups are errors, too. `seeded`: groups whose
+  /// field `seed` follows --seed.
+  void resolve(const Session& session, std::initializer_list<std::string_view> seeded = {}) const;
 
   /// Refuses values for a group that would have no effect, given by flag (UsageError) or file (BadInput). `needed`:
   /// what they are for. After `resolve`.
@@ -101,13 +111,14 @@ Value parse(const ParamField& field, const std::string& text, const Field& range
 
 template <class Params>
 void ParamFlags::add(CLI::App& command, const std::string& group, Params& params,
-                     std::initializer_list<std::string_view> without) {
+                     std::initializer_list<std::string_view> without, FlagNames names) {
   visit_fields(params, [&](auto& value, const Field& description) {
     if (std::ranges::find(without, description.name) != without.end()) { return; }
     using Value = std::decay_t<decltype(value)>;
     auto field = std::make_shared<ParamField>();
     field->group = group;
     field->name = std::string(description.name);
+    field->flag = (names == FlagNames::plain ? "--" : "--" + group + "-") + kebab_case(field->name);
     field->set = [&value, description, raw = field.get()](const std::string& text) {
       value = detail::parse<Value>(*raw, text, description);
     };

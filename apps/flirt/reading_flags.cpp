@@ -1,5 +1,7 @@
 #include "apps/flirt/reading_flags.hpp"
 
+#include "apps/flirt/command.hpp"
+
 namespace flirt::app {
 
 void ReadingFlags::add_to(CLI::App& command) {
@@ -7,7 +9,7 @@ void ReadingFlags::add_to(CLI::App& command) {
   command.add_option("--message", message,
                      "scans to read: a kind of lines, as RAWLASER1, or a topic; else the first that appears");
   command.add_option("--range-max", range_max, "m; readings of this length or more are no return; else from the log")
-      ->check(CLI::PositiveNumber);
+      ->check(expect_above_0);
 }
 
 ReadOptions ReadingFlags::options() const {

@@ -19,11 +19,14 @@
 #include <chrono>
 #include <concepts>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <type_traits>
+#include <vector>
 
 namespace flirt::app {
 namespace {
@@ -155,8 +158,26 @@ svg::Figure picture(const SimulateOptions& options, const Simulation& simulation
   return {.panels = {figure}, .panel_width = 1200};
 }
 
+/// Before the work: can all files be written, and is each a file of its own?
+void check_outputs(const SimulateOptions& options) {
+  std::vector<std::filesystem::path> seen;
+  for (const std::string& file : {options.out, options.truth, options.svg}) {
+    if (file.empty()) { continue; }
+    value_or_quit(require_writable(file));
+    std::error_code error;
+    const std::filesystem::file_status status = std::filesystem::status(file, error);
+    if (exists(status) && !is_regular_file(status)) { continue; }  // a device takes all
+    seen.push_back(std::filesystem::weakly_canonical(file, error));
+    if (std::ranges::count(seen, seen.back()) > 1) {
+      throw UsageError(file + ": expected a file of its own for the log, the truth and the picture, found one for two");
+    }
+  }
+}
+
 int run(const Session& session, SimulateOptions& options) {
-  options.params.resolve(session.config);
+  options.params.resolve(session);
+  if (options.truth.empty()) { options.truth = options.out + ".truth.tum"; }
+  check_outputs(options);
   options.simulate.seed = session.seed;
   options.simulate.threads = session.threads;
   if (options.people) { options.simulate.people.count = *options.people; }
@@ -176,17 +197,17 @@ int run(const Session& session, SimulateOptions& options) {
   const double scans_per_second = seconds > 0 ? static_cast<double>(scans) / seconds : 0.0;
 
   const std::string drawing = options.svg.empty() ? "" : svg::to_svg(picture(options, simulation));
-  const std::string truth = options.truth.empty() ? options.out + ".truth.tum" : options.truth;
   value_or_quit(write_carmen(options.out, log_to_write(simulation, options.output.poses)));
-  value_or_quit(write_tum(truth, truth_of(simulation.log)));
+  value_or_quit(write_tum(options.truth, truth_of(simulation.log)));
   if (!options.svg.empty()) { value_or_quit(write_file_atomically(options.svg, drawing)); }
   if (session.talks()) {
     std::puts(fmt::format("{}: {} scans of {} beams in {} rounds, {:.0f} scans/s\n{}: the true poses", options.out,
-                          scans, options.simulate.lidar.beams, simulation.round_begin.size(), scans_per_second, truth)
+                          scans, options.simulate.lidar.beams, simulation.round_begin.size(), scans_per_second,
+                          options.truth)
                   .c_str());
   }
   nlohmann::ordered_json json{{"log", options.out},
-                              {"truth", truth},
+                              {"truth", options.truth},
                               {"plan", options.plan},
                               {"scans", scans},
                               {"beams", options.simulate.lidar.beams},
@@ -213,9 +234,12 @@ void add_simulate(CLI::App& program, Session& session) {
           "office, corridors, tunnel or station (made up), or FILE.txt of segments x1,y1,x2,y2, or a grid map's "
           "FILE.yaml, or an image")
       ->capture_default_str();
-  command->add_option("--resolution", options->resolution, "m per pixel of an image without YAML");
-  command->add_option("--people", options->people, "the same as --people-count")->check(CLI::Range(0U, 100000U));
-  command->add_option("--rounds", options->rounds, "the same as --drive-rounds")->check(CLI::Range(1U, 1000U));
+  command->add_option("--resolution", options->resolution, "m per pixel of an image without YAML")
+      ->check(CLI::Range(1e-6, 1000.0));
+  CLI::Option* people =
+      command->add_option("--people", options->people, "the same as --people-count")->check(CLI::Range(0U, 100000U));
+  CLI::Option* rounds =
+      command->add_option("--rounds", options->rounds, "the same as --drive-rounds")->check(CLI::Range(1U, 1000U));
   CLI::Option* svg = command->add_option("--svg", options->svg, "picture of the plan and the way");
   command->add_option("--svg-scan", options->svg_scan, "draw this scan, and the plan around it")->needs(svg);
   options->params.add(*command, "office", options->office);
@@ -227,6 +251,8 @@ void add_simulate(CLI::App& program, Session& session) {
   options->params.add(*command, "odometry", options->simulate.odometry);
   options->params.add(*command, "people", options->simulate.people);
   options->params.add(*command, "log", options->output);
+  people->excludes(command->get_option("--people-count"));
+  rounds->excludes(command->get_option("--drive-rounds"));
   session.on(command, [&session, options] { return run(session, *options); });
 }
 

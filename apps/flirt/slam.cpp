@@ -13,10 +13,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 
 namespace flirt::app {
 namespace {
@@ -111,7 +113,8 @@ SlamRun map_log(const SlamOptions& options, const ScanLog& log, const EarlierMap
               .steps = {},
               .summary = {},
               .latency_ms = {},
-              .params = options.params.json()};
+              .params = options.params.json(),
+              .seed = session.seed};
   const Progress progress = progress_bar(session, "mapping");
   Slam slam(options.slam);
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
@@ -176,8 +179,27 @@ ScanLog with_earlier(EarlierMap earlier, ScanLog log) {
   return both;
 }
 
+/// The folder for results, which goes away again when nothing comes into it.
+class ResultsFolder {
+ public:
+  explicit ResultsFolder(const std::string& folder)
+      : is_new_(std::filesystem::status(folder, ignored_).type() == std::filesystem::file_type::not_found),
+        path_(value_or_quit(folder_for_results(folder))) {}
+  ResultsFolder(const ResultsFolder&) = delete;
+  ResultsFolder& operator=(const ResultsFolder&) = delete;
+  ~ResultsFolder() {
+    if (is_new_) { std::filesystem::remove(path_, ignored_); }  // fails for one that is not empty
+  }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::error_code ignored_{};
+  bool is_new_;
+  std::filesystem::path path_;
+};
+
 int run(SlamOptions& options, const Session& session) {
-  options.params.resolve(session.config);
+  options.params.resolve(session);
   apply_short_flags(options);
   if (!options.resume.empty() && options.slam.window > 0) {
     throw UsageError("slam: --resume: expected no --window, which keeps no map to join");
@@ -185,16 +207,16 @@ int run(SlamOptions& options, const Session& session) {
   LoadedLog loaded = value_or_quit(read_log(options.log, {}, progress_bar(session, "reading")));
   loaded.log = every_kth(std::move(loaded.log), options.every);
   EarlierMap earlier;
-  std::filesystem::path folder;
+  std::optional<ResultsFolder> folder;
   if (options.resume.empty()) {
-    folder = value_or_quit(folder_for_results(options.out));
+    require_slam_outputs(folder.emplace(options.out).path());
   } else {
     earlier = read_earlier(options.resume);
   }
   const SlamRun result = map_log(options, loaded.log, earlier, session);
   if (result.join && result.join->agreeing == 0) { return report_not_found(options, result, session); }
-  folder = value_or_quit(folder_for_results(options.out));
-  write_slam_outputs(folder, result, with_earlier(std::move(earlier), std::move(loaded.log)), session);
+  if (!folder) { require_slam_outputs(folder.emplace(options.out).path()); }
+  write_slam_outputs(folder->path(), result, with_earlier(std::move(earlier), std::move(loaded.log)), session);
   write_json(session, slam_json(result));
   if (session.talks()) { print(options, result, loaded.report); }
   return exit_done;
@@ -204,9 +226,11 @@ int run(SlamOptions& options, const Session& session) {
 
 void add_slam(CLI::App& program, Session& session) {
   auto options = std::make_shared<SlamOptions>();
-  CLI::App* command =
-      add_command(program, session, "slam", "Make a consistent map of any log, with odometry or without.",
-                  "flirt slam run.log.gz -o run-map");
+  CLI::App* command = add_command(
+      program, session, "slam",
+      "Make a consistent map of any log, with odometry or without. Nothing is drawn at random: --seed changes "
+      "nothing.",
+      "flirt slam run.log.gz -o run-map");
   command->add_option("LOG", options->log, "log of scans")->required();
   command->add_option("-o,--output", options->out, "folder for the results")->required();
   command->add_flag("--no-odometry", options->no_odometry, "do as if the log had no odometry");
@@ -221,6 +245,9 @@ void add_slam(CLI::App& program, Session& session) {
                       "folder of an earlier flirt slam: find this log in its map, and make one map of both");
   command->add_option("--every", options->every, "use every K-th scan (default 1)")->check(CLI::Range(1, 1000000));
   options->params.add(*command, "slam", options->slam);
+  for (const std::string same : {"odometry", "window", "front-end"}) {
+    command->get_option((same == "odometry" ? "--no-" : "--") + same)->excludes(command->get_option("--slam-" + same));
+  }
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

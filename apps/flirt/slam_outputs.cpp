@@ -117,7 +117,8 @@ nlohmann::ordered_json slam_json(const SlamRun& run) {
         {"optimize", s.seconds.optimize},
         {"polish", s.seconds.polish}}},
       {"latency_ms", {{"median", latency.median}, {"p99", latency.p99}, {"worst", latency.worst}}},
-      {"params", run.params}};
+      {"params", run.params},
+      {"seed", run.seed}};
   if (run.join) {
     json["resumed"] = {{"earlier_scans", run.earlier_scans},
                        {"queries", run.join->queries},
@@ -128,12 +129,19 @@ nlohmann::ordered_json slam_json(const SlamRun& run) {
   return json;
 }
 
+void require_slam_outputs(const std::filesystem::path& folder) {
+  for (const char* name : {"trajectory.tum", "session.tum", "graph.g2o", "map.yaml", "map.pgm", "map.png", "map.flirt",
+                           "report.html", "summary.json"}) {
+    value_or_quit(require_writable(folder / name));
+  }
+}
+
 void write_slam_outputs(const std::filesystem::path& folder, const SlamRun& run, ScanLog log, const Session& session) {
   const std::vector<StampedPose> poses = trajectory(run, log);
   log.map_from_robot = run.graph.map_from_node;
   const GridMapImage map = map_of(log, log.map_from_robot, run.log);
-  const Result<PlaceMap> places = build_place_map(log, {}, session.threads, progress_bar(session, "features"));
-  if (!places) { throw BadInput(run.log + ": " + places.error().message); }
+  const PlaceMap places =
+      value_or_quit(build_place_map(log, {}, session.threads, progress_bar(session, "features")), run.log);
   const std::string page = report(run, map);
   value_or_quit(write_tum(folder / "trajectory.tum", poses));
   if (run.join) {
@@ -143,7 +151,7 @@ void write_slam_outputs(const std::filesystem::path& folder, const SlamRun& run,
   value_or_quit(write_g2o(folder / "graph.g2o", run.graph));
   value_or_quit(write_grid_map(folder / "map.yaml", map));
   value_or_quit(write_grey_image(folder / "map.png", map.image));
-  value_or_quit(write_place_map(folder / "map.flirt", *places));
+  value_or_quit(write_place_map(folder / "map.flirt", places));
   value_or_quit(write_file_atomically(folder / "report.html", page));
   value_or_quit(write_file_atomically(folder / "summary.json", json_text(slam_json(run))));
 }

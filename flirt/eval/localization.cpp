@@ -151,9 +151,9 @@ RevisitSummary revisit_summary(std::span<const LocalizationAnswer> answers, std:
     summary.success.hits += answer.correct ? 1 : 0;
     summary.precise_success.hits += answer.precise ? 1 : 0;
   }
-  summary.success_bootstrap = bootstrap(
-      blocks, [&](std::size_t i) { return answers[i].answerable; }, [&](std::size_t i) { return answers[i].correct; },
-      seed);
+  const auto answerable = [&](std::size_t i) { return answers[i].answerable; };
+  summary.success_bootstrap = bootstrap(blocks, answerable, [&](std::size_t i) { return answers[i].correct; }, seed);
+  summary.precise_bootstrap = bootstrap(blocks, answerable, [&](std::size_t i) { return answers[i].precise; }, seed);
   summary.curve = precision_recall(scored);
   summary.nees = coverage(squared_errors);
   constexpr std::array edges{0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 1.01};

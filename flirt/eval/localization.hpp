@@ -65,6 +65,7 @@ struct RevisitSummary {
   Rate success{};          ///< right pose at 0.5 m and 10°, of the answerable queries
   Rate precise_success{};  ///< the same at 0.25 m and 5°
   Interval success_bootstrap{};
+  Interval precise_bootstrap{};
   std::vector<PrecisionRecallPoint> curve{};
   std::vector<ReliabilityBin> reliability{};  ///< of the confidence
   Rate unique_right{};                        ///< right among all answers called unique, whoever asked

@@ -114,6 +114,7 @@ void read_stamp(FieldReader& fields, ScanLine& line) {
   const std::string_view word = fields.word("the stamp");
   const auto stamp = number_from<double>(word);
   if (!stamp || !std::isfinite(*stamp)) { fields.complain("a finite number for ", "the stamp", word); }
+  if (stamp && std::abs(*stamp) > 1e12) { fields.complain("at most 1e12 s for ", "the stamp", word); }
   line.stamp = stamp.value_or(0.0);
   line.stamp_digits = significant_digits(word);
   fields.word("the host");

@@ -15,6 +15,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t chunk_bytes = std::size_t{1} << 16U;
+constexpr std::size_t longest_line = std::size_t{1} << 26U;            // bytes; a scan of 20 000 beams takes 200 kB
+constexpr std::size_t most_bytes_of_a_stream = std::size_t{1} << 28U;  // of a pipe or a device, which may never end
 
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
@@ -99,6 +101,8 @@ Result<std::string> read_file(const fs::path& path) {
   if (auto good = require_file(path); !good) { return tl::unexpected(good.error()); }
   const File file(std::fopen(path.c_str(), "rb"));
   if (!file) { return fail(path.string() + ": expected a readable file, found: " + system_message()); }
+  std::error_code ignored;
+  const bool may_be_endless = !fs::is_regular_file(path, ignored);
   std::string bytes;
   std::size_t n = 0;
   do {
@@ -106,11 +110,24 @@ Result<std::string> read_file(const fs::path& path) {
     bytes.resize(old_size + chunk_bytes);
     n = std::fread(bytes.data() + old_size, 1, chunk_bytes, file.get());
     bytes.resize(old_size + n);
+    if (may_be_endless && bytes.size() > most_bytes_of_a_stream) {
+      return fail(path.string() + ": expected up to 256 MB from what is not a regular file, found more");
+    }
   } while (n == chunk_bytes);
   if (std::ferror(file.get()) != 0) {
     return fail(path.string() + ": expected readable data, found: " + system_message());
   }
   return bytes;
+}
+
+Result<void> require_writable(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) { return fail(path.string() + ": expected a file to write, found a folder"); }
+  const fs::path folder = link_target(path).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder, error)) {
+    return fail(path.string() + ": expected to write, found no folder " + folder.string());
+  }
+  return {};
 }
 
 Result<void> write_file_atomically(const fs::path& path, std::string_view bytes) {
@@ -164,6 +181,9 @@ void LineReader::rewind() {
 }
 
 Result<void> LineReader::refill() {
+  if (end_ - begin_ > longest_line) {
+    return fail(name_ + ":" + std::to_string(line_ + 1) + ": expected a line of up to 64 MB, found a longer one");
+  }
   if (const std::size_t used = mark_ ? mark_->begin : begin_; used > 0) {
     std::memmove(buffer_.data(), buffer_.data() + used, end_ - used);
     end_ -= used;
@@ -175,10 +195,11 @@ Result<void> LineReader::refill() {
   auto* const file = static_cast<gzFile>(file_.get());
   const int n = gzread(file, buffer_.data() + end_, static_cast<unsigned>(chunk_bytes));
   int code = Z_OK;
-  const char* const message = gzerror(file, &code);
+  std::string_view message = gzerror(file, &code);
+  if (message.starts_with(name_ + ": ")) { message.remove_prefix(name_.size() + 2); }
   if (n < 0 || (n == 0 && code == Z_BUF_ERROR)) {  // what came before the cut is handed out first
     const std::string found =
-        code == Z_BUF_ERROR ? "gzip data that is cut short" : std::string("broken data: ") + message;
+        code == Z_BUF_ERROR ? std::string("gzip data that is cut short") : "broken data: " + std::string(message);
     return fail(name_ + ":" + std::to_string(line_ + 1) + ": expected readable data, found " + found);
   }
   end_ += static_cast<std::size_t>(n);

@@ -14,13 +14,16 @@
 
 namespace flirt {
 
-/// All bytes of a file, as they are.
+/// All bytes of a file, as they are. Of a pipe or a device up to 256 MB, since it may never end.
 [[nodiscard]] Result<std::string> read_file(const std::filesystem::path& path);
 
 /// Replaces the file by `bytes`, or leaves it as it was: writes a temporary file in the same folder and renames it.
 /// A link stays, and what it leads to is written, be it there or not. What is not a regular file (a device, a pipe) is
 /// written to directly. Errors: folder missing, no permission, no space, links in a ring.
 [[nodiscard]] Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
+
+/// The complaint that writing to `path` would begin with: a folder is there, or none is around it. Writes nothing.
+[[nodiscard]] Result<void> require_writable(const std::filesystem::path& path);
 
 /// How a line ended.
 enum class LineEnd : std::uint8_t {
@@ -34,7 +37,7 @@ struct Line {
   LineEnd end{LineEnd::newline};
 };
 
-/// Lines of a plain or gzip file, of any length; memory is that of the longest line.
+/// Lines of a plain or gzip file, of up to 64 MB each; memory is that of the longest line.
 class LineReader {
  public:
   /// Errors: no such file, a folder, no permission.
@@ -45,7 +48,8 @@ class LineReader {
   void mark();
   void rewind();
 
-  /// The next line, or nothing at the end. Errors: broken or cut short gzip data, read errors.
+  /// The next line, or nothing at the end. Errors: broken or cut short gzip data, read errors, a longer
+  /// line.
   [[nodiscard]] Result<std::optional<Line>> next();
 
   [[nodiscard]] const std::string& name() const { return name_; }

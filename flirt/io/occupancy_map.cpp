@@ -43,7 +43,7 @@ std::size_t pixels_for(std::size_t cells, std::size_t cells_a_side) {
 
 /// Cells a side of a pixel: 1, or more where that would be too many pixels.
 std::size_t pixel_side(const CellBox& box) {
-  std::size_t side = 1;
+  std::size_t side = pixels_for(std::max(box.width(), box.height()), most_pixels_a_side);
   while (pixels_for(box.width(), side) > most_pixels / pixels_for(box.height(), side)) { ++side; }
   return side;
 }

@@ -16,8 +16,8 @@ namespace flirt {
 /// Cells that one beam ended in and five or fewer crossed are grey (115): unknown to map_server, since the reading may
 /// be stray, but in a building seen once in passing many walls consist of them. Cropped to what was seen; one unknown
 /// pixel for an empty grid. `image_name` goes into the metadata. Where the box holds more than 2^28 cells (820 m × 820
-/// m of 0.05 m), a pixel is a square of up to 16 × 16 cells and shows the darkest of those seen. Error: a box larger
-/// than even that allows, of scans that lie far apart. O(cells seen + pixels).
+/// m of 0.05 m) or 10^6 of them in a row, a pixel is a square of up to 16 × 16 cells and shows the darkest of those
+/// seen. Error: a box larger than even that allows, of scans that lie far apart. O(cells seen + pixels).
 [[nodiscard]] Result<GridMapImage> occupancy_map(const EvidenceGrid& grid, const std::string& image_name);
 
 }  // namespace flirt

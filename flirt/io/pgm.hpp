@@ -12,6 +12,8 @@ namespace flirt {
 
 /// Of the largest image that is read, PGM or PNG.
 inline constexpr std::size_t most_pixels = std::size_t{1} << 28U;
+/// Of its width and of its height: what readers of PNG take.
+inline constexpr std::size_t most_pixels_a_side = 1'000'000;
 
 /// The bytes of a binary PGM file with 256 levels.
 [[nodiscard]] std::string encode_pgm(const GreyImage& image);

@@ -10,6 +10,7 @@
 #include <csetjmp>
 #include <cstdint>
 #include <cstring>
+#include <new>
 #include <vector>
 
 namespace flirt {
@@ -35,7 +36,7 @@ void read_bytes(png_structp png, png_bytep target, std::size_t n) {
 }
 
 void keep_complaint(png_structp png, png_const_charp message) {
-  static_cast<Decoder*>(png_get_error_ptr(png))->complaint = message;
+  *static_cast<std::string*>(png_get_error_ptr(png)) = message;
   png_longjmp(png, 1);
 }
 
@@ -85,31 +86,38 @@ void append_bytes(png_structp png, png_bytep bytes, std::size_t n) {
 
 void flush_nothing(png_structp /*png*/) {}
 
+/// Calls libpng; every failure inside comes back to the setjmp.
+bool encode_rows(const GreyImage& image, std::string& bytes, png_structp png, png_infop info) {
+  if (setjmp(png_jmpbuf(png)) != 0) { return false; }  // NOLINT(cert-err52-cpp): libpng's only way to report
+  png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
+  png_set_write_fn(png, &bytes, append_bytes, flush_nothing);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 8,
+               PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(png, info);
+  for (std::size_t row = 0; row < image.height; ++row) { png_write_row(png, &image.pixels[row * image.width]); }
+  png_write_end(png, nullptr);
+  return true;
+}
+
 }  // namespace
 
 std::string encode_png(const GreyImage& image) {
   FLIRT_ASSERT(!image.pixels.empty());
   FLIRT_ASSERT(image.pixels.size() == image.width * image.height);
   std::string bytes;
-  std::vector<png_const_bytep> rows;
-  rows.reserve(image.height);
-  for (std::size_t row = 0; row < image.height; ++row) { rows.push_back(&image.pixels[row * image.width]); }
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, ignore_warning);
+  std::string complaint;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &complaint, keep_complaint, ignore_warning);
   png_infop info = png_create_info_struct(png);
-  png_set_write_fn(png, &bytes, append_bytes, flush_nothing);
-  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 8,
-               PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_write_info(png, info);
-  for (const png_const_bytep row : rows) { png_write_row(png, row); }
-  png_write_end(png, nullptr);
+  const bool good = encode_rows(image, bytes, png, info);
   png_destroy_write_struct(&png, &info);
+  if (!good) { throw std::bad_alloc(); }  // nothing else is left to fail
   return bytes;
 }
 
 Result<GreyImage> decode_png(std::string_view bytes, std::string_view name) {
   const std::string where = std::string(name) + ": expected a PNG image, found ";
   Decoder decoder{.rest = bytes};
-  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder, keep_complaint, ignore_warning);
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder.complaint, keep_complaint, ignore_warning);
   png_infop info = png_create_info_struct(png);
   const bool good = decode_rows(decoder, png, info);
   png_destroy_read_struct(&png, &info, nullptr);

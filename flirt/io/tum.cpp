@@ -3,6 +3,7 @@
 #include "flirt/io/file.hpp"
 #include "flirt/io/text.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
@@ -32,12 +33,25 @@ Result<StampedPose> parse_line(std::string_view line) {
   return StampedPose{stamp, {x, y, wrap_angle(heading)}};
 }
 
+/// With six decimals or more, as the stamps of logs have.
+void append_stamp(std::string& text, double stamp) {
+  constexpr std::size_t decimals = 6;
+  std::string number;
+  append_number(number, stamp);
+  if (number.find_first_not_of("-.0123456789") == std::string::npos) {  // no exponent
+    if (number.find('.') == std::string::npos) { number += '.'; }
+    const std::size_t found = number.size() - number.find('.') - 1;
+    number.append(decimals - std::min(found, decimals), '0');
+  }
+  text += number;
+}
+
 }  // namespace
 
 std::string to_tum(std::span<const StampedPose> trajectory) {
   std::string text;
   for (const auto& [stamp, pose] : trajectory) {
-    append_number(text, stamp);
+    append_stamp(text, stamp);
     for (const double number : {pose.x, pose.y, 0.0, 0.0, 0.0, std::sin(pose.theta / 2), std::cos(pose.theta / 2)}) {
       text += ' ';
       append_number(text, number);

@@ -12,7 +12,8 @@
 
 namespace flirt {
 
-/// One line a pose, in this order; numbers read back the same but for the rounding of the heading (1e-15 rad).
+/// One line a pose, in this order; stamps with six decimals or more. Numbers read back the same but for the rounding of
+/// the heading (1e-15 rad).
 [[nodiscard]] std::string to_tum(std::span<const StampedPose> trajectory);
 
 /// to_tum into a file, at once or not at all.

@@ -8,6 +8,7 @@
 // distinct place decides the verdict.
 #pragma once
 
+#include "flirt/core/fields.hpp"
 #include "flirt/core/scan.hpp"
 #include "flirt/core/scan_interval.hpp"
 #include "flirt/features/describe.hpp"
@@ -22,11 +23,13 @@
 #include <Eigen/Core>
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -59,6 +62,18 @@ struct LocalizeParams {
   VerdictParams verdict{};
   SolutionSetParams papers{};  ///< of the method `papers`
 };
+
+/// What is no parameter of a part.
+template <class Params, class Visitor>
+  requires std::same_as<std::remove_const_t<Params>, LocalizeParams>
+void visit_fields(Params& params, Visitor&& visit) {
+  visit(params.largest_dense,
+        Field{"largest_dense", "m2", "that a dense search may run over before auto asks the features", 0.0, 1e12});
+  visit(params.few_legs, Field{"few_legs", "1",
+                               "share of a scan on legs up to which it is read again with them when it is not unique "
+                               "without; 0: never",
+                               0.0, 1.0});
+}
 
 /// A distinct place that explains the scan.
 struct PoseHypothesis {

@@ -49,6 +49,9 @@ class BenchSlam(unittest.TestCase):
         self.assertLess(rows["scan", "own"]["ate"]["translation_m"]["rmse"], 0.05)
         self.assertLess(rows["rbpf", "own"]["ate"]["translation_m"]["rmse"], 0.15)
         self.assertEqual(rows["scan", "own"]["closures"]["wrong"], 0)
+        self.assertLess(rows["scan", "own"]["rpe"]["translation_m"]["rmse"], 0.05)
+        self.assertEqual(rows["scan", "own"]["relations"]["source"], "derived")
+        self.assertGreater(rows["scan", "own"]["relations"]["count"], 0)
         self.assertEqual(result["starts"][0]["within"], 2)
         self.assertEqual(len(result["starts"][0]["ate_m"]), 2)
 
@@ -57,6 +60,9 @@ class BenchSlam(unittest.TestCase):
             self.assertEqual(len(list(csv.DictReader(file))), 6)
         report = (self.out / "report.html").read_text()
         self.assertEqual(report.count("<figure>"), 6)
+        self.assertEqual({path.name for path in self.out.glob("*.svg")},
+                         {f"small-{name}.svg" for name in ("corrected", "odometry", "scan", "scan-no-odometry", "rbpf",
+                                                           "rbpf-no-odometry")})
         scans = json.loads((self.out / "summary.json").read_text())["logs"][0]["scans"]
         for name in ("small-scan.tum", "small-rbpf.tum", "small-scan-no-odometry.tum"):
             self.assertEqual(len((self.out / name).read_text().splitlines()), scans)

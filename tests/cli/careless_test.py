@@ -3,6 +3,7 @@
 
 usage: careless_test.py FLIRT_PROGRAM
 """
+import gzip
 import json
 import os
 import pathlib
@@ -55,10 +56,34 @@ class Careless(unittest.TestCase):
         self.refused(1, "0 or more, found -5", "localize", self.map, self.log, "--hypotheses", "-5")
         self.refused(1, "finite number, found nan", "evaluate", self.log, "--truth", self.log, "--rpe-path", "nan")
         self.refused(1, "finite number, found nan", "info", self.log, "--range-max", "nan")
-        self.refused(1, "finite number, found nan", "localize", self.map, self.log, "--largest-dense", "nan")
+        self.refused(1, "--largest-dense: expected a number in range, 0 to 1e+12, found 'nan'", "localize", self.map, self.log,
+                     "--largest-dense", "nan")
         self.refused(1, "--people", "simulate", "-o", self.work / "x.log", "--people", "100000000")
 
+        huge = "9" * 23
+        self.refused(1, f"--seed: expected a number of up to 2^64 - 1, found {huge}", "info", self.log, "--seed", huge)
+        self.refused(1, f"--scan: expected a number of up to 2^64 - 1, found {huge}", "detect", self.log, "--scan", huge)
+        self.refused(1, "above 0, found -1", "info", self.log, "--range-max", "-1")
+        self.refused(1, "0 or more, found -1", "evaluate", self.log, "--truth", self.log, "--stamp-tolerance", "-1")
+        for wrong in ("0", "-1"):
+            self.refused(1, "--resolution", "simulate", "-o", self.work / "x.log", "--plan", "x.png", "--resolution", wrong)
+        for option in ("--long", "--starts"):
+            self.refused(1, option, "bench", "slam", "-o", self.work / "none", "--dynamic", option, "1000000000")
+
     def test_options_that_would_do_nothing_are_refused(self):
+        out = self.work / "idle.flirt"
+        self.refused(1, "--grid-spacing: expected only with a grid map", "map", self.log, "-o", out, "--grid-spacing", "1")
+        self.refused(1, "--range-scale-count: expected only with --detector range", "detect", self.log,
+                     "--range-scale-count", "3")
+        self.refused(1, "--shape-context-radius: expected only with --descriptor shape-context", "map", self.log, "-o", out,
+                     "--shape-context-radius", "1")
+        config = self.file("range.toml", "[range]\nscale_count = 3\n")
+        self.refused(2, f"flirt: {config}:2: --range-scale-count: expected only with", "detect", self.log, "--config", config)
+        self.assertEqual(run("detect", self.log, "--scan", "0", "--detector", "range", "--config", config).returncode, 0)
+        for first, second in (("--people", "--people-count"), ("--rounds", "--drive-rounds")):
+            self.refused(1, second, "simulate", "-o", self.work / "x.log", first, "1", second, "2")
+        self.refused(1, "--slam-front-end", "slam", self.log, "-o", self.work / "x", "--front-end", "auto", "--slam-front-end",
+                     "icp")
         self.refused(1, "--svg", "detect", self.log, "--keypoint", "3")
         self.refused(1, "--svg", "simulate", "-o", self.work / "x.log", "--svg-scan", "3")
         self.refused(1, "--ablation", "bench", "localization", self.log, "--protocol", "revisit", "--variants", "full")
@@ -86,7 +111,8 @@ class Careless(unittest.TestCase):
         for window in ("3", "0x3"):
             out = self.work / window
             self.assertEqual(run("slam", self.log, "-o", out, "--window", window, "--every", "5").returncode, 0)
-            self.assertEqual(json.loads((out / "summary.json").read_text())["odometry"], "ignored")
+            summary = json.loads((out / "summary.json").read_text())
+            self.assertEqual((summary["odometry"], summary["seed"]), ("ignored", 0))
 
     def test_a_seed_of_one_method_wins_over_that_of_the_command(self):
         result = run("localize", self.map, self.log, "--scan", "0", "--method", "papers", "--ransac-seed", "7", "--seed", "3",
@@ -96,6 +122,29 @@ class Careless(unittest.TestCase):
         self.assertEqual(json.loads(result.stdout)["params"]["quality"]["seed"], 7)
         result = run("evaluate", self.log, "--truth", self.log, "--seed", "3", "--json", "-")
         self.assertEqual(json.loads(result.stdout)["params"]["quality"]["seed"], 3)
+
+    def test_a_seed_given_wins_over_that_of_a_file(self):
+        config = self.file("seed.toml", "[ransac]\nseed = 5\n")
+        commands = (["match", self.log, "--scan", "0", "--against", "1"],
+                    ["localize", self.map, self.log, "--scan", "0"],
+                    ["bench", "localization", self.log, "--every", "50"],
+                    ["bench", "tracking", self.log, "--drives", "1", "--length", "1"],
+                    ["bench", "buildings", "--queries", "1", "--office-area", "200", "--people", "0", "--fields-of-view", "180"],
+                    ["bench", "arena", self.log, "--every", "100", "--detectors", "curvature", "--descriptors", "beta-grid",
+                     "--matchers", "ransac"])
+        for command in commands:
+            for flags, expected in (([], 5), (["--seed", "3"], 3), (["--seed", "3", "--ransac-seed", "7"], 7)):
+                done = run(*command, "--config", config, *flags, "--json", "-")
+                self.assertIn(done.returncode, (0, 4), done.stderr)
+                result = json.loads(done.stdout)
+                self.assertEqual(result["params"]["ransac"]["seed"], expected, command)
+                if command[0] != "match":
+                    self.assertEqual(result["seed"], 3 if flags else 0, command)
+
+    def test_a_file_can_hold_every_parameter_of_localization(self):
+        config = self.file("legs.toml", "[localize]\nfew_legs = 0.2\nlargest_dense = 50\n")
+        done = run("localize", self.map, self.log, "--scan", "0", "--config", config, "--few-legs", "0.3", "--json", "-")
+        self.assertEqual(json.loads(done.stdout)["params"]["localize"], {"largest_dense": 50.0, "few_legs": 0.3})
 
     def test_benches_refuse_what_would_end_badly(self):
         graph = self.file("two.graph", "VERTEX2 0 0 0 0\nVERTEX2 1 1 0 0\nEDGE2 0 1 1 0 0 1 0 1 1 0 0\n")
@@ -144,7 +193,51 @@ class Careless(unittest.TestCase):
             flaser(f"{i % 2 * 1e6} 0 0", f"{i % 2 * 1e6} {i % 2 * 1e6} 0", stamp=i) for i in range(4)))
         out = self.work / "jumps"
         self.refused(2, f"flirt: {jumps}: expected scans near each other", "slam", jumps, "-o", out)
-        self.assertEqual(list(out.iterdir()), [])
+        self.assertFalse(out.exists())
+
+    def test_a_map_of_more_than_a_million_cells_in_a_row_is_coarser(self):
+        scan = " ".join(["180"] + [f"{2 + i // 20 % 3}" for i in range(180)])
+        wide = self.file("wide.log", "".join(flaser(f"{3000 * i} 0 0", f"{3000 * i} 0 0", scan, i) for i in range(20)))
+        out = self.work / "wide"
+        done = run("slam", wide, "-o", out, "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual({path.suffix for path in out.iterdir()},
+                         {".tum", ".g2o", ".yaml", ".pgm", ".png", ".flirt", ".html", ".json"})
+
+    def test_a_log_that_never_ends_its_line_is_refused(self):
+        bomb = self.work / "bomb.log.gz"
+        with gzip.open(bomb, "wb") as file:
+            for _ in range(66):
+                file.write(bytes(1 << 20))
+        self.refused(2, f"flirt: {bomb}:1: expected a line of up to 64 MB, found a longer one", "info", bomb)
+
+    def test_broken_gzip_data_is_said_once(self):
+        packed = bytearray(gzip.compress(self.log.read_bytes()))
+        packed[-8] ^= 0xFF  # of the check sum
+        broken = self.work / "broken.log.gz"
+        broken.write_bytes(packed)
+        done = run("info", broken)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertEqual(done.stderr.decode().count(str(broken)), 1, done.stderr)
+
+    def test_files_that_cannot_be_written_come_before_the_work(self):
+        out = self.work / "blocked"
+        (out / "map.png").mkdir(parents=True)
+        self.refused(2, f"flirt: {out / 'map.png'}: expected a file to write, found a folder", "slam", self.log, "-o", out)
+        self.assertEqual([path.name for path in out.iterdir()], ["map.png"])
+        log = self.work / "unwritten.log"
+        self.refused(2, "flirt: /nonexistent/t.tum: expected to write", "simulate", "-o", log, "--truth", "/nonexistent/t.tum")
+        for flag in ("--truth", "--svg"):
+            self.refused(1, f"{log}: expected a file of its own", "simulate", "-o", log, flag, log)
+        self.assertFalse(log.exists())
+
+    def test_errors_of_maps_name_the_log(self):
+        scan = " ".join(["180"] + [f"{2 + i // 20 % 3}" for i in range(180)])
+        far = self.file("20km-apart.log", "".join(
+            flaser(f"{i * 10000} {i % 2 * 20000} 0", "0 0 0", scan, i) for i in range(3)))
+        for command in (["localization", far], ["tracking", far], ["arena", far], ["ablation", far],
+                        ["speed", "--sections", "stages", "--log", far]):
+            self.refused(2, f"flirt: {far}: expected scans near each other", "bench", *command)
 
     def test_scans_far_apart_make_a_map_or_are_refused(self):
         scan = " ".join(["180"] + [f"{2 + i // 20 % 3}" for i in range(180)])
@@ -172,6 +265,11 @@ class Careless(unittest.TestCase):
         stamp = json.loads(first.stdout)["stamps"]["first"]
         done = run("evaluate", self.log, "--truth", self.file("one.tum", f"{stamp!r} 0 0 0 0 0 0 1\n"))
         self.assertIn(b"nothing to compare", done.stdout)
+        done = run("evaluate", self.file("one.tum", f"{stamp!r} 0 0 0 0 0 0 1\n"), "--truth", self.log, "--scans", self.log,
+                   "--json", "-")
+        result = json.loads(done.stdout)
+        self.assertEqual((result["rpe"]["translation_m"]["rmse"], result["rpe"]["translation_m"]["count"]), (None, 0))
+        self.assertIsNone(result["map_quality"]["point_to_line_rms_m"])
 
     def test_what_a_bench_varies_itself_is_no_option(self):
         self.refused(1, "--optimize-backend", "bench", "optimizers", self.log, "--optimize-backend", "toro")
@@ -190,6 +288,12 @@ class Careless(unittest.TestCase):
                               check=False, timeout=60)
         self.assertEqual(done.returncode, 2)
         self.assertIn(b"/dev/stdin: expected a regular file, found a pipe", done.stderr)
+
+    def test_a_configuration_may_come_through_a_pipe(self):
+        done = subprocess.run([FLIRT, "detect", self.log, "--scan", "0", "--config", "/dev/stdin"], input=b"[nonsense]\n",
+                              capture_output=True, check=False, timeout=60)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn(b"/dev/stdin:1: expected parameters of this command", done.stderr)
 
     @unittest.skipUnless(os.path.exists("/dev/full"), "no /dev/full")
     def test_output_that_does_not_arrive_is_an_error(self):

@@ -228,9 +228,19 @@ class Cli(unittest.TestCase):
                     self.assertEqual(len(curve["precision"]), 13)
                     self.assertIn("p_gl", curve)
                     self.assertIn("p_cl", curve)
+                    self.assertEqual(len(curve["recall_wilson"]), 13)
+                    low, high = curve["p_cl_wilson"]
+                    self.assertTrue(low <= curve["p_cl"] <= high)
+                self.assertIsNone(result["revisit"])
+                self.assertIsNone(result["time_us"]["search"], "no dense search ran")
             else:
-                for key in ("recall_at_95", "recall_at_99", "recall_at_100", "average_precision", "success"):
-                    self.assertIn(key, result["revisit"])
+                for key in ("recall_at_95", "recall_at_99", "recall_at_100", "unique_found", "success", "success_025m_5deg"):
+                    low, high = result["revisit"][f"{key}_wilson"]
+                    self.assertTrue(low <= result["revisit"][key] <= high, key)
+                self.assertIn("average_precision", result["revisit"])
+                self.assertEqual(result["strategies"], {})
+                self.assertIsNone(result["time_us"]["detect"], "no keypoints were looked for")
+            self.assertEqual(result["feature_params"]["detector"]["name"], "curvature")
             with open(out / "queries.csv", encoding="utf-8") as file:
                 rows = list(csv.DictReader(file))
             self.assertEqual(list(rows[0]), "query,strategy,answerable,reference,x,y,theta,confidence,inliers,residual,"
@@ -253,7 +263,8 @@ class Cli(unittest.TestCase):
         self.assertAlmostEqual(found["rate"], found["unique"] / found["queries"])
         self.assertEqual(sum(found["confidence_tenths"]), found["queries"])
         self.assertEqual(set(result["revisit"]["nees"]),
-                         {"answers", "within_50", "within_90", "within_95", "within_95_wilson", "median"})
+                         {"answers", "within_50", "within_50_wilson", "within_90", "within_90_wilson", "within_95",
+                          "within_95_wilson", "median"})
         with open(out / "queries.csv", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         others = [row for row in rows if row["strategy"] == "distractor:1"]

@@ -36,6 +36,7 @@ class Speed(unittest.TestCase):
         self.assertEqual(found[section], json.loads((out / "speed.json").read_text())[section])
         with open(out / f"speed-{section}.csv", encoding="utf-8") as table:
             self.assertEqual(len(list(csv.DictReader(table))), len(found[section]))
+        self.assertIn("<svg", (out / "report.html").read_text())
         return found[section]
 
     def test_stages_are_timed_one_by_one(self):
@@ -44,6 +45,8 @@ class Speed(unittest.TestCase):
         for stage in ("detect", "describe"):
             self.assertTrue(any(stage in name for name in stages), stages)
         self.assertGreaterEqual(len(stages), 5)
+        for row in rows:
+            self.assertTrue(row["least"] <= row["median"] <= row["p95"], row)
 
     def test_area_of_the_map_is_shown_for_every_method(self):
         rows = self.rows("map-area", "--areas", "300", "--queries", 4)

@@ -76,6 +76,10 @@ class Tracking(unittest.TestCase):
     def head(self, name: str, scans: int) -> pathlib.Path:
         return write_lines(self.work / name, scan_lines(self.drive)[:scans])
 
+    def test_ambiguous_places_are_found_places(self):
+        summary = self.json("localize", self.map, self.head("short.log", 1), "--track")["summary"]
+        self.assertEqual((summary["unique"], summary["ambiguous"] > 0), (0, True), "exit code 0 all the same")
+
     def is_right(self, query: dict, scan: int) -> bool:
         x, y = self.truth[scan]
         return query["verdict"] == "unique" and math.hypot(query["robot"]["x"] - x, query["robot"]["y"] - y) < 0.5

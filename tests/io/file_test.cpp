@@ -86,6 +86,18 @@ TEST(LineReader, GoesBackToAMarkHoweverMuchWasRead) {
   EXPECT_FALSE(reader->next()->has_value());
 }
 
+TEST(LineReader, RefusesALineOfMoreThan64Megabytes) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.file("bomb.gz", gzipped("one\n" + std::string(65U << 20U, '\0')));
+  EXPECT_THAT(lines_of(path),
+              ElementsAre("one", "error: " + path.string() + ":2: expected a line of up to 64 MB, found a longer one"));
+}
+
+TEST(ReadFile, StopsReadingWhatNeverEnds) {
+  EXPECT_THAT(read_file("/dev/zero").error().message, HasSubstr("/dev/zero: expected up to 256 MB"));
+  EXPECT_EQ(read_file("/dev/null").value(), "");
+}
+
 TEST(LineReader, ReadsGzipAsIfItWerePlain) {
   const TemporaryFolder folder;
   const fs::path path = folder.file("a.gz", gzipped("one\ntwo\n"));

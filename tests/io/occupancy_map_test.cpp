@@ -1,5 +1,7 @@
 #include "flirt/io/occupancy_map.hpp"
 
+#include "flirt/io/png.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -58,6 +60,19 @@ TEST(OccupancyMap, OfAWideMapHasLargerPixelsThatShowTheDarkestCell) {
   EXPECT_EQ(map.image.at(1, map.image.height - 1), 254);
   EXPECT_EQ(map.image.at(2, map.image.height - 1), 205);
   EXPECT_EQ(map.image.at(map.image.width - 1, 0), 254);
+}
+
+TEST(OccupancyMap, OfALongRowOfCellsHasNoMoreThanAMillionPixelsASide) {
+  for (const bool upright : {false, true}) {
+    EvidenceGrid grid;
+    grid.count({0, 0}, {.hits = 0, .passes = 1});
+    grid.count(upright ? CellIndex{0, 1'000'000} : CellIndex{1'000'000, 0}, {.hits = 3, .passes = 0});
+    const GridMapImage map = occupancy_map(grid, "map.png").value();
+    EXPECT_EQ(map.metadata.resolution, 2 * grid.params().cell_size);
+    EXPECT_EQ(map.image.width, upright ? 1U : 500'001U);
+    EXPECT_EQ(map.image.height, upright ? 500'001U : 1U);
+    EXPECT_EQ(decode_png(encode_png(map.image), "a").value(), map.image);
+  }
 }
 
 TEST(OccupancyMap, RefusesScansTooFarApartForOneImage) {

@@ -88,6 +88,11 @@ TEST(Png, RefusesBrokenAndShortBytes) {
   }
 }
 
+TEST(Png, WritesImagesOfAnyWidth) {
+  const GreyImage wide{1'000'001, 1, std::vector<std::uint8_t>(1'000'001, 7)};
+  EXPECT_TRUE(encode_png(wide).starts_with("\x89PNG"));
+}
+
 TEST(Png, RefusesSizesBeyondReasonWithoutAllocatingThem) {
   std::string bytes = encode_png(random_image(2, 2));
   const std::string huge("\x00\x0f\x00\x00\x00\x0f\x00\x00", 8);

@@ -16,8 +16,22 @@ using testing::HasSubstr;
 TEST(Tum, WritesPositionAndQuaternion) {
   const std::array<StampedPose, 2> trajectory{{{1.5, {1, 2, 0}}, {1.25, {-1, 0.5, std::numbers::pi}}}};
   const std::string text = to_tum(trajectory);
-  EXPECT_EQ(text.substr(0, text.find('\n')), "1.5 1 2 0 0 0 0 1");
-  EXPECT_THAT(text, HasSubstr("\n1.25 -1 0.5 0 0 0 1 6.1"));
+  EXPECT_EQ(text.substr(0, text.find('\n')), "1.500000 1 2 0 0 0 0 1");
+  EXPECT_THAT(text, HasSubstr("\n1.250000 -1 0.5 0 0 0 1 6.1"));
+}
+
+TEST(Tum, WritesStampsWithSixDecimalsOrMore) {
+  const std::array<std::pair<double, std::string>, 6> stamps{{{976053559.34191, "976053559.341910"},
+                                                              {7, "7.000000"},
+                                                              {-0.5, "-0.500000"},
+                                                              {0.12345678, "0.12345678"},
+                                                              {1e-7, "1e-07"},
+                                                              {1e300, "1e+300"}}};
+  for (const auto& [stamp, expected] : stamps) {
+    const std::array<StampedPose, 1> trajectory{{{stamp, {}}}};
+    const std::string text = to_tum(trajectory);
+    EXPECT_EQ(text.substr(0, text.find(' ')), expected);
+  }
 }
 
 TEST(Tum, ReadsBackWhatItWrote) {
