@@ -181,8 +181,7 @@ double find_normals(const ScanCurve& curve, const Params& params, const Plan& pl
   return unwrap(work.normals);
 }
 
-/// Half width, in beams, of the neighbourhood that belongs to scale t: of the scan's ends where nothing is detected,
-/// and of the support region.
+/// Half width, in beams, of the neighbourhood that is the support region at scale t.
 std::size_t half_width(double t) {
   return static_cast<std::size_t>(std::ceil(t));
 }
@@ -229,7 +228,7 @@ void run(const ScanCurve& curve, const Params& params, const Plan& plan, Work& w
   for (std::size_t level = 0; level < plan.scales.size(); ++level) {
     const double t = plan.scales[level];
     respond(signal, continuation, params, plan.kernels[level], t, work);
-    const PeakSearch search{.extrema = Extrema::both, .margin = half_width(t), .closed = curve.closed};
+    const PeakSearch search{.extrema = Extrema::both, .margin = plan.kernels[level].size() - 1, .closed = curve.closed};
     find_peaks(work.response, params.peaks, search, work.peaks);
     collect(curve, params.selection, level, work);
     if (trace == nullptr) { continue; }
