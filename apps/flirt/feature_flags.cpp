@@ -1,5 +1,9 @@
 #include "apps/flirt/feature_flags.hpp"
 
+#include "apps/flirt/command.hpp"
+
+#include <variant>
+
 namespace flirt::app {
 
 void FeatureFlags::add(CLI::App& command, ParamFlags& params) {
@@ -26,6 +30,9 @@ FeatureParams FeatureFlags::features() const {
   } else {
     features.detector = curvature_;
   }
+  const std::string complaint =
+      std::visit([](const auto& params) { return too_coarse(params.scales); }, features.detector);
+  if (!complaint.empty()) { throw UsageError("--detector " + detector_ + ": " + complaint); }
   if (descriptor_ == "shape-context") {
     features.descriptor = shape_context_;
   } else {

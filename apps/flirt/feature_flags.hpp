@@ -15,7 +15,7 @@ class FeatureFlags {
  public:
   /// Adds the flags to `command`; the parameters are resolved with `params`. This object must outlive the parsing.
   void add(CLI::App& command, ParamFlags& params);
-  /// What was asked for; call after `params.resolve`.
+  /// What was asked for; call after `params.resolve`. UsageError when the scales are too coarse.
   [[nodiscard]] FeatureParams features() const;
 
  private:

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <sstream>
 
 namespace flirt {
 namespace {
@@ -60,7 +61,16 @@ std::size_t width_by_mass(const std::vector<double>& half, double lost_mass) {
 
 }  // namespace
 
+std::string too_coarse(const ScaleParams& params) {
+  const double coarsest = params.base * std::pow(params.step, params.count - 1);
+  if (coarsest <= largest_scale) { return {}; }
+  std::ostringstream complaint;
+  complaint << "scale_base · scale_step^(scale_count − 1): expected up to " << largest_scale << ", found " << coarsest;
+  return complaint.str();
+}
+
 std::vector<double> scale_bank(const ScaleParams& params) {
+  FLIRT_ASSERT(too_coarse(params).empty());
   std::vector<double> scales;
   double t = params.base;
   for (int level = 0; level < params.count; ++level, t *= params.step) { scales.push_back(t); }
