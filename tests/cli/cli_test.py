@@ -241,6 +241,18 @@ class Cli(unittest.TestCase):
                 self.assertAlmostEqual(correct / result["queries"], result["strategies"]["residual"]["p_gl"])
             self.assertIn("<svg", (out / "report.html").read_text())
 
+    def test_bench_localization_weighs_the_variances_of_both_sides(self):
+        out = self.work / "variances"
+        flags = ["--match-distance", "variance-chi-square"]
+        self.ok("bench", "localization", self.log, "--every", 40, "-o", out, *flags, "--quiet")
+        with (out / "queries.csv").open() as lines:
+            answers = [row for row in csv.DictReader(lines) if row["strategy"] == "residual" and row["reference"]]
+        self.assertGreater(len(answers), 2)
+        for answer in answers:
+            pair = self.json("match", self.log, "--scan", answer["query"], "--against", answer["reference"], *flags)
+            self.assertEqual(len(pair["alignment"]["inliers"]), int(answer["inliers"]))
+            self.assertAlmostEqual(pair["alignment"]["residual"], float(answer["residual"]), places=6)
+
     def test_bench_localization_counts_distractors_apart(self):
         out = self.work / "distractors"
         other = self.work / "elsewhere.log"
