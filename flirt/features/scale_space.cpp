@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <sstream>
+#include <string>
 
 namespace flirt {
 namespace {
@@ -64,9 +64,8 @@ std::size_t width_by_mass(const std::vector<double>& half, double lost_mass) {
 std::string too_coarse(const ScaleParams& params) {
   const double coarsest = params.base * std::pow(params.step, params.count - 1);
   if (coarsest <= largest_scale) { return {}; }
-  std::ostringstream complaint;
-  complaint << "scale_base · scale_step^(scale_count − 1): expected up to " << largest_scale << ", found " << coarsest;
-  return complaint.str();
+  return "scale_base · scale_step^(scale_count − 1): expected up to " + std::to_string(largest_scale) + ", found " +
+         std::to_string(coarsest);
 }
 
 std::vector<double> scale_bank(const ScaleParams& params) {
