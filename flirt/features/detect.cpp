@@ -181,7 +181,11 @@ double find_normals(const ScanCurve& curve, const Params& params, const Plan& pl
   return unwrap(work.normals);
 }
 
-/// Half width, in beams, of the neighbourhood that is the support region at scale t.
+/// Half width, in beams, of the neighbourhood that belongs to scale t: of the scan's ends where nothing is detected
+/// (one beam more), and of the support region. The authors' program cuts its kernels there, too. A kernel cut by mass
+/// is wider, and sees the mirrored continuation from further inside: where a straight wall's ranges end steeply the
+/// range detector then finds a point about 3 √t from the end. Leaving out the whole kernel loses more:
+/// docs/concepts.md.
 std::size_t half_width(double t) {
   return static_cast<std::size_t>(std::ceil(t));
 }
@@ -228,7 +232,7 @@ void run(const ScanCurve& curve, const Params& params, const Plan& plan, Work& w
   for (std::size_t level = 0; level < plan.scales.size(); ++level) {
     const double t = plan.scales[level];
     respond(signal, continuation, params, plan.kernels[level], t, work);
-    const PeakSearch search{.extrema = Extrema::both, .margin = plan.kernels[level].size() - 1, .closed = curve.closed};
+    const PeakSearch search{.extrema = Extrema::both, .margin = half_width(t), .closed = curve.closed};
     find_peaks(work.response, params.peaks, search, work.peaks);
     collect(curve, params.selection, level, work);
     if (trace == nullptr) { continue; }
