@@ -72,6 +72,11 @@ int run(BenchLocalizationOptions& options, const Session& session) {
   if (options.protocol != "revisit" && (options.ablation || !options.distractors.empty())) {
     throw UsageError("--distractors, --ablation: expected with --protocol revisit");
   }
+  if (const std::uint32_t least = options.bench.localize.papers.ransac.min_inliers;
+      options.protocol == "paper" && least > paper_n_min) {
+    throw UsageError(
+        fmt::format("--ransac-min-inliers: expected up to {} with --protocol paper, found {}", paper_n_min, least));
+  }
   const std::vector<LocalizationVariant> variants =
       options.ablation ? variants_of(options) : std::vector<LocalizationVariant>{};
   const bool joins = options.bench.join > 1;
@@ -84,7 +89,8 @@ int run(BenchLocalizationOptions& options, const Session& session) {
   others.reserve(options.distractors.size());
   for (const std::string& other : options.distractors) { others.push_back(value_or_quit(read_log(other))); }
   const PlaceMap map = value_or_quit(
-      build_place_map(log, options.features.features(), session.threads, progress_bar(session, "features")),
+      build_place_map(log, options.features.features(), session.threads, progress_bar(session, "features"),
+                      variances_for(options.bench.localize.papers.match.distance)),
       options.log);
   LocalizationRun done{.log = options.log,
                        .poses = options.poses,

@@ -1,9 +1,12 @@
 #include "apps/flirt/feature_flags.hpp"
 
+#include "apps/flirt/command.hpp"
+
 #include <fmt/format.h>
 
 #include <array>
 #include <span>
+#include <variant>
 #include <vector>
 
 namespace flirt::app {
@@ -49,6 +52,9 @@ FeatureParams FeatureFlags::features() const {
   } else {
     features.detector = curvature_;
   }
+  const std::string complaint =
+      std::visit([](const auto& params) { return too_coarse(params.scales); }, features.detector);
+  if (!complaint.empty()) { throw UsageError("--detector " + detector_ + ": " + complaint); }
   if (descriptor_ == "shape-context") {
     features.descriptor = shape_context_;
   } else {

@@ -15,7 +15,8 @@ class FeatureFlags {
  public:
   /// Adds the flags to `command`; the parameters are resolved with `params`. Both objects must outlive the parsing.
   void add(CLI::App& command, ParamFlags& params);
-  /// What was asked for; call after `params.resolve`. Parameters of what was not asked for are refused.
+  /// What was asked for; call after `params.resolve`. Parameters of what was not asked for are refused, and scales that
+  /// are too coarse (UsageError).
   [[nodiscard]] FeatureParams features() const;
 
  private:

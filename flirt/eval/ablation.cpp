@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iomanip>
 #include <limits>
+#include <numbers>
 #include <sstream>
 #include <utility>
 
@@ -92,6 +93,7 @@ void add_matching(Variants& variants) {
     AblationVariant& variant = variants.add("RANSAC inlier probability", decimals(probability, 1));
     variant.ransac.sampling = Sampling::random;
     variant.ransac.inlier_probability = probability;
+    variant.ransac.max_turn_difference = std::numbers::pi;  // the papers do not compare the keypoints' directions
   }
 }
 
@@ -178,7 +180,8 @@ Result<std::vector<AblationResult>> bench_ablation(std::span<const ScanLog> logs
     if (v > 0 && variants[v].other_detector) { results[v].repeatability = scores[next++]; }
     if (v == 0) { results[v].repeatability = scores[0]; }
     for (const ScanLog& log : logs) {
-      const Result<PlaceMap> map = build_place_map(log, variants[v].features, threads);
+      const Result<PlaceMap> map =
+          build_place_map(log, variants[v].features, threads, {}, variances_for(variants[v].match.distance));
       if (!map) { return tl::unexpected(map.error()); }
       const auto localize = [&](LocalizationProtocol protocol) {
         return localize_with(log, *map, variants[v], protocol, params.localization, threads);

@@ -28,7 +28,8 @@ struct AblationVariant {
 };
 
 /// The default first, then: geodesic distances, duplicate radius, foreground shift, number of scales, estimate and
-/// radius of the β-grid, no-return beams, distance and its threshold, inlier probability.
+/// radius of the β-grid, no-return beams, distance and its threshold, and the papers' RANSAC by inlier probability:
+/// drawn at random, any turn.
 [[nodiscard]] std::vector<AblationVariant> paper_ablations();
 
 /// What one variant reaches: one value per case, the same cases in the same order for every variant.

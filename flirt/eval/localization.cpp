@@ -14,9 +14,8 @@
 namespace flirt {
 namespace {
 
-constexpr std::uint32_t n_min_first = 3;
 constexpr std::uint32_t n_min_last = 15;
-constexpr std::size_t n_min_count = n_min_last - n_min_first + 1;
+constexpr std::size_t n_min_count = n_min_last - paper_n_min + 1;
 constexpr std::array strategies{PickBy::closest, PickBy::corresp, PickBy::residual};
 
 /// How far a pose is from the truth, in units of the tolerance: what `closest` minimises.
@@ -81,7 +80,7 @@ void judge_solution_set(const LocalizationResult& result, std::size_t query, con
                         const LocalizationBenchParams& params, Outcome& outcome) {
   for (std::size_t s = 0; s < strategies.size(); ++s) {
     for (std::size_t k = 0; k < n_min_count; ++k) {
-      const auto n_min = static_cast<std::uint32_t>(n_min_first + k);
+      const auto n_min = static_cast<std::uint32_t>(paper_n_min + k);
       const Hypothesis* best = pick_best(result.solution_set->hypotheses, n_min, strategies[s], truth, params);
       const LocalizationAnswer answer = answer_from(best, query, to_string(strategies[s]), truth, result, params);
       outcome.picks[s][k] = {answer.answered, answer.correct};
@@ -123,7 +122,7 @@ StrategyCurve strategy_curve(std::span<const Outcome> outcomes, std::size_t s, s
       answered += outcome.picks[s][k].answered ? 1 : 0;
       correct += outcome.picks[s][k].correct ? 1 : 0;
     }
-    curve.n_min.push_back(static_cast<std::uint32_t>(n_min_first + k));
+    curve.n_min.push_back(static_cast<std::uint32_t>(paper_n_min + k));
     curve.precision.push_back({correct, answered});
     curve.recall.push_back({correct, outcomes.size()});
   }
@@ -209,6 +208,7 @@ LocalizationBench bench_localization(const ScanLog& log, const PlaceMap& map, co
   for (std::size_t i = 0; i < log.scans.size(); i += params.every) { queries.push_back(i); }
 
   const bool revisit = params.protocol == LocalizationProtocol::revisit;
+  FLIRT_ASSERT(revisit || params.localize.papers.ransac.min_inliers <= paper_n_min);
   const std::vector<ScanInterval> removed = travel_neighbours(log, params.revisit.travel);
   const std::vector<bool> can_answer =
       revisit ? answerable(log, queries, params.revisit, threads) : std::vector<bool>(queries.size(), true);

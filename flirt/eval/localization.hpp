@@ -27,6 +27,9 @@ constexpr auto enum_names(LocalizationProtocol /*tag*/) {
                     std::pair{LocalizationProtocol::revisit, std::string_view("revisit")}};
 }
 
+/// The least number of inliers of the papers' curves (P1 Fig. 5): the matching itself must not ask for more.
+inline constexpr std::uint32_t paper_n_min = 3;
+
 /// How one answer is picked from a solution set. `closest` looks at the truth: the upper bound, for evaluation only.
 enum class PickBy : std::uint8_t { closest, corresp, residual };
 constexpr auto enum_names(PickBy /*tag*/) {

@@ -181,8 +181,11 @@ double find_normals(const ScanCurve& curve, const Params& params, const Plan& pl
   return unwrap(work.normals);
 }
 
-/// Half width, in beams, of the neighbourhood that belongs to scale t: of the scan's ends where nothing is detected,
-/// and of the support region.
+/// Half width, in beams, of the neighbourhood that belongs to scale t: of the scan's ends where nothing is detected
+/// (one beam more), and of the support region. The authors' program cuts its kernels there, too. A kernel cut by mass
+/// is wider, and sees the mirrored continuation from further inside: where a straight wall's ranges end steeply the
+/// range detector then finds a point about 3 √t from the end. Leaving out the whole kernel loses more:
+/// docs/concepts.md.
 std::size_t half_width(double t) {
   return static_cast<std::size_t>(std::ceil(t));
 }

@@ -34,7 +34,8 @@ constexpr auto enum_names(Geodesic /*tag*/) {
 }
 
 /// Curvature of the scan's curve: maxima of F = z e^−z, z = 2 |x − S̃| / t, over the smoothed curve S̃ (P1 §2.1,
-/// P2 §II-C). t is the standard deviation of the Gaussian along the curve, m: only then does F peak at curvature 1 / t.
+/// P2 §II-C). t is the standard deviation of the Gaussian along the curve, m: only then does F peak at curvature 1 / t
+/// (to second order in t: there |x − S̃| is t²/2 times the curvature).
 struct CurvatureParams {
   ScaleParams scales{.count = 5, .base = 0.2, .step = 1.4};  ///< t, m
   PeakParams peaks{};                                        ///< of F, which is at most 1/e

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <string>
 
 namespace flirt {
 namespace {
@@ -60,7 +61,15 @@ std::size_t width_by_mass(const std::vector<double>& half, double lost_mass) {
 
 }  // namespace
 
+std::string too_coarse(const ScaleParams& params) {
+  const double coarsest = params.base * std::pow(params.step, params.count - 1);
+  if (coarsest <= largest_scale) { return {}; }
+  return "scale_base · scale_step^(scale_count − 1): expected up to " + std::to_string(largest_scale) + ", found " +
+         std::to_string(coarsest);
+}
+
 std::vector<double> scale_bank(const ScaleParams& params) {
+  FLIRT_ASSERT(too_coarse(params).empty());
   std::vector<double> scales;
   double t = params.base;
   for (int level = 0; level < params.count; ++level, t *= params.step) { scales.push_back(t); }

@@ -6,6 +6,7 @@
 #include <array>
 #include <concepts>
 #include <span>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -19,6 +20,13 @@ struct ScaleParams {
   double base{1.6};  ///< finest t: m for the curvature detector, beams² (a variance) for the others
   double step{1.4};  ///< factor from one scale to the next
 };
+
+/// m or beams²; of the coarsest scale, whose kernel would have more samples than a scan of a log has beams.
+inline constexpr double largest_scale = 20000;
+
+/// Empty, or a sentence that says that the coarsest scale is beyond `largest_scale`: each field may be in range, yet
+/// not all of them together.
+[[nodiscard]] std::string too_coarse(const ScaleParams& params);
 
 /// t of every level, finest first.
 [[nodiscard]] std::vector<double> scale_bank(const ScaleParams& params);

@@ -29,7 +29,8 @@ constexpr auto enum_names(Precedence /*tag*/) {
 /// Where a keypoint takes its direction and support region from when it was moved to the foreground.
 enum class Anchor {
   keypoint,  ///< the point that it was moved to
-  peak,      ///< the point where the signal peaks
+  peak,  ///< the point where the signal peaks. A curvature keypoint then points from itself to the smoothed curve at
+         ///< the peak, more than `foreground_jump` behind it on the next beam: nearly along the line of sight
 };
 constexpr auto enum_names(Anchor /*tag*/) {
   return std::to_array<std::pair<Anchor, std::string_view>>({{Anchor::keypoint, "keypoint"}, {Anchor::peak, "peak"}});

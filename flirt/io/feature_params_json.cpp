@@ -41,6 +41,8 @@ nlohmann::ordered_json json_from_feature_params(const FeatureParams& params) {
 Result<FeatureParams> feature_params_from_json(const nlohmann::ordered_json& json) {
   const Result<DetectorParams> detector = choice_from_json(json, "detector", detector_from_name);
   if (!detector) { return tl::unexpected(detector.error()); }
+  const std::string complaint = std::visit([](const auto& params) { return too_coarse(params.scales); }, *detector);
+  if (!complaint.empty()) { return fail("detector: " + complaint); }
   const Result<DescriptorParams> descriptor = choice_from_json(json, "descriptor", descriptor_from_name);
   if (!descriptor) { return tl::unexpected(descriptor.error()); }
   return FeatureParams{.detector = *detector, .descriptor = *descriptor};

@@ -12,7 +12,7 @@ namespace flirt {
 
 [[nodiscard]] nlohmann::ordered_json json_from_feature_params(const FeatureParams& params);
 
-/// Errors: an unknown name, a missing or unknown parameter, a value out of range.
+/// Errors: an unknown name, a missing or unknown parameter, a value out of range, scales that are too coarse.
 [[nodiscard]] Result<FeatureParams> feature_params_from_json(const nlohmann::ordered_json& json);
 
 }  // namespace flirt

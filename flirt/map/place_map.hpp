@@ -14,6 +14,7 @@
 #include "flirt/features/extract.hpp"
 #include "flirt/grid/evidence_grid.hpp"
 #include "flirt/match/columns.hpp"
+#include "flirt/match/distance.hpp"
 
 #include <array>
 #include <cstddef>
@@ -85,6 +86,11 @@ void visit_columns(Columns& columns, Visitor&& visit) {
 /// Whether a map keeps the variances of its descriptors. Only the distance variance_chi_square looks at them, and they
 /// are half as much again as the rest of the descriptors.
 enum class MapVariances : std::uint8_t { leave_out, keep };
+
+/// What a map must keep for its descriptors to be compared by `distance`.
+[[nodiscard]] constexpr MapVariances variances_for(Distance distance) {
+  return distance == Distance::variance_chi_square ? MapVariances::keep : MapVariances::leave_out;
+}
 
 /// Scans with poses and features, and the evidence that all their beams leave, read-only. Copies share all of it, so
 /// they are cheap; the columns may lie in a file that is mapped into memory. Invariant: the columns fit together

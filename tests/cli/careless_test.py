@@ -70,6 +70,13 @@ class Careless(unittest.TestCase):
         for option in ("--long", "--starts"):
             self.refused(1, option, "bench", "slam", "-o", self.work / "none", "--dynamic", option, "1000000000")
 
+    def test_scales_that_no_scan_has_room_for_are_refused(self):
+        for detector in ("curvature", "range", "normal-edge", "normal-blob"):
+            scales = [f"--{detector}-scale-count", "12", f"--{detector}-scale-step", "10"]
+            for command in (["detect", self.log, "--scan", "0"], ["map", self.log, "-o", self.work / "scales.flirt"]):
+                self.refused(1, f"--detector {detector}: scale_base", *command, "--detector", detector, *scales)
+        self.assertFalse((self.work / "scales.flirt").exists())
+
     def test_options_that_would_do_nothing_are_refused(self):
         out = self.work / "idle.flirt"
         self.refused(1, "--grid-spacing: expected only with a grid map", "map", self.log, "-o", out, "--grid-spacing", "1")
@@ -87,6 +94,12 @@ class Careless(unittest.TestCase):
         self.refused(1, "--svg", "detect", self.log, "--keypoint", "3")
         self.refused(1, "--svg", "simulate", "-o", self.work / "x.log", "--svg-scan", "3")
         self.refused(1, "--ablation", "bench", "localization", self.log, "--protocol", "revisit", "--variants", "full")
+
+    def test_curves_from_three_inliers_on_need_matches_of_three(self):
+        bench = ["bench", "localization", self.log, "--every", "40", "--method", "papers", "--ransac-min-inliers"]
+        self.refused(1, "--ransac-min-inliers: expected up to 3 with --protocol paper, found 6", *bench, "6")
+        self.assertEqual(run(*bench, "3", "--quiet").returncode, 0)
+        self.assertEqual(run(*bench, "6", "--protocol", "revisit", "--quiet").returncode, 0)
 
     def test_parameters_of_another_plan_are_refused(self):
         out = self.work / "plan.log"

@@ -251,6 +251,22 @@ class Cli(unittest.TestCase):
                 self.assertAlmostEqual(correct / result["queries"], result["strategies"]["residual"]["p_gl"])
             self.assertIn("<svg", (out / "report.html").read_text())
 
+    def test_bench_localization_weighs_the_variances_of_both_sides(self):
+        # So near that a match of scan 120 is one only because the map's variances count, too.
+        out = self.work / "variances"
+        flags = ["--match-distance", "variance-chi-square", "--match-max-distance", 0.005]
+        self.ok("bench", "localization", self.log, "--every", 20, "-o", out, *flags, "--quiet")
+        with (out / "queries.csv").open() as lines:
+            answers = [row for row in csv.DictReader(lines) if row["strategy"] == "residual" and row["query"] != "0"]
+        pairs = 0
+        for answer in answers:
+            pair = self.json("match", self.log, "--scan", answer["query"], "--against", int(answer["query"]) - 1, *flags)
+            if pair["alignment"]:
+                pairs += 1
+                self.assertNotEqual(answer["reference"], "", f"{answer['query']} has a match, the scan before it")
+                self.assertLessEqual(float(answer["residual"]), pair["alignment"]["residual"] + 1e-6)
+        self.assertGreater(pairs, 5)
+
     def test_bench_localization_counts_distractors_apart(self):
         out = self.work / "distractors"
         other = self.work / "elsewhere.log"

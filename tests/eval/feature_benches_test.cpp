@@ -135,6 +135,29 @@ TEST(Ablations, ChangeOneChoiceEachAndTheDefaultComesFirst) {
   EXPECT_EQ(names.size(), variants.size());
 }
 
+TEST(Ablation, WeighsTheVariancesOfBothSides) {
+  const auto logs = room_logs();
+  AblationVariant variant;
+  variant.match.distance = Distance::variance_chi_square;
+  variant.match.max_distance = 0.0004;  // some features are this near only because the map's variances count, too
+  AblationParams params;
+  params.detectors = detector_params();
+  const auto answers_of = [&](MapVariances variances) {
+    LocalizationBenchParams bench;
+    bench.localize.papers.match = variant.match;
+    const PlaceMap map = build_place_map(logs.front(), variant.features, 1, {}, variances).value();
+    std::vector<double> answers;
+    for (const LocalizationAnswer& answer : bench_localization(logs.front(), map, bench, 1).answers) {
+      if (answer.strategy == "residual") { answers.push_back(answer.answered ? 1 : 0); }
+    }
+    return answers;
+  };
+  const auto results = bench_ablation(logs, locations, {&variant, 1}, params, 1);
+  ASSERT_TRUE(results.has_value());
+  EXPECT_EQ(results->front().answers, answers_of(MapVariances::keep));
+  EXPECT_NE(results->front().answers, answers_of(MapVariances::leave_out));
+}
+
 TEST(Ablation, HasAValuePerLocationAndQuery) {
   const auto logs = room_logs();
   AblationParams params;

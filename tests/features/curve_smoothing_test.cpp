@@ -245,21 +245,38 @@ TEST(Response, OfASharpWedgeHasTwoPeaksBesideItsApex) {
   EXPECT_LT(sharp[0], 1000U);
 }
 
-TEST(Response, OfACircleIsExactAndLargestWhereTheScaleIsItsRadius) {
+/// z on a circle of radius 1: 2/t (1 − mean of cos u over N(u; t)), u the shorter way around.
+double circle_z(double t) {
+  double mass = 0.0;
+  double cosines = 0.0;
+  constexpr int steps = 20000;
+  for (int i = 0; i < steps; ++i) {
+    const double u = pi * (i + 0.5) / steps;
+    const double weight = std::exp(-0.5 * u * u / (t * t));
+    mass += weight;
+    cosines += weight * std::cos(u);
+  }
+  return 2.0 / t * (1.0 - cosines / mass);
+}
+
+TEST(Response, OfACircleIsExactAndLargestBeyondItsRadius) {
   const double radius = 1.7;
   Curve curve;
   curve.closed = true;
   for (int i = 0; i < 720; ++i) { curve.add(radius * Point2{std::cos(2 * pi * i / 720), std::sin(2 * pi * i / 720)}); }
-  for (const double share : {0.1, 0.2, 0.4, 0.6}) {
-    const double t = share * radius;
-    const double displacement = radius * (1.0 - std::exp(-0.5 * share * share));  // mean of cos(u/R) over N(u; t)
-    const double z = 2.0 * displacement / t;
-    const Smoothed result = smoothed(curve, t);
-    for (const double response : result.response) { EXPECT_NEAR(response, z * std::exp(-z), 1e-5); }
+  for (const double share : {0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.38, 1.6, 2.0, 2.5}) {
+    const double z = circle_z(share);
+    const Smoothed result = smoothed(curve, share * radius);
+    for (const double response : result.response) { EXPECT_NEAR(response, z * std::exp(-z), 1e-5) << share; }
   }
-  // To second order the displacement is t²/2R, so that z = t/R: the response rises up to t = R.
-  EXPECT_GT(smoothed(curve, radius).response[0], smoothed(curve, 0.8 * radius).response[0]);
-  EXPECT_GT(smoothed(curve, radius).response[0], 0.95 / std::numbers::e);
+  // To second order z = t/R, largest F at t = R. In full the mean of cos is e^(−t²/2R²) as long as a turn has no end,
+  // and z falls short of 1: F is .358 at R and largest, .366, at 1.585 R; around a circle, .3632 at 1.38 R.
+  const auto response = [&](double share) { return smoothed(curve, share * radius).response[0]; };
+  EXPECT_NEAR(circle_z(0.1), 20.0 * (1.0 - std::exp(-0.005)), 1e-9);
+  EXPECT_NEAR(response(1.0), 0.3577, 1e-4);
+  EXPECT_NEAR(response(1.38), 0.3632, 1e-4);
+  for (double share = 0.1; share < 1.3; share += 0.1) { EXPECT_LT(response(share), response(share + 0.1)); }
+  for (double share = 1.5; share < 3.0; share += 0.1) { EXPECT_GT(response(share), response(share + 0.1)); }
 }
 
 TEST(Response, DoesNotDependOnHowTheCurveIsSampled) {

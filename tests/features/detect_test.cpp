@@ -350,20 +350,95 @@ TEST(CurvatureDetector, OverSpanningTreesTurnsWithTheSensor) {
   expect_same(detect(scan, params), expected, {0, 0, 1.1});
 }
 
-TEST(RangeDetector, PointsAlongTheNormalOfTheWall) {
-  // A post of 0.2 m in front of a wall: the direction is the wall's or the post's normal, not the beam's.
-  Scene scene{{{4.0, -6.0}, {4.0, 6.0}}, {{2.0, 0.9}, {2.0, 1.1}}};
-  const Scan scan = scan_of(scene, {}, {.angle_min = -0.9, .angle_step = 0.01, .range_max = 30}, 181);
-  RangeParams params;
-  params.selection.anchor = Anchor::keypoint;
+class SignalDetector : public testing::TestWithParam<DetectorParams> {};
+INSTANTIATE_TEST_SUITE_P(Detect, SignalDetector, testing::Values(RangeParams{}, NormalEdgeParams{}, NormalBlobParams{}),
+                         [](const auto& instance) {
+                           std::string name(detector_name(instance.param));
+                           std::ranges::replace(name, '-', '_');
+                           return name;
+                         });
+
+TEST_P(SignalDetector, FindsNothingNearTheEndsOfAnOpenScan) {
+  Rng rng(3);
+  std::size_t beside = 0;
+  for (int round = 0; round < 20; ++round) {  // peaks everywhere
+    Scan scan{.beams = {.angle_min = -0.75 * pi, .angle_step = pi / 180, .range_max = 30}};
+    for (int i = 0; i < 270; ++i) { scan.ranges.push_back(rng.uniform(2.0, 6.0)); }
+    DetectorTrace trace;
+    EXPECT_FALSE(detect(scan, GetParam(), &trace).empty());
+    for (const ScaleTrace& scale : trace.scales) {
+      const auto margin = static_cast<std::size_t>(std::ceil(scale.t));
+      for (const std::uint32_t peak : scale.peaks) {
+        EXPECT_GT(peak, margin) << "t " << scale.t;
+        EXPECT_LT(peak + margin + 1, 270U) << "t " << scale.t;
+        beside += peak == margin + 1 || peak + margin + 2 == 270 ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(beside, 5U) << "no more than that is left out";
+}
+
+/// A post of 0.4 m in front of a wall, 25° to the left of straight ahead; both have their normal straight ahead.
+Scan post_scan() {
+  const Scene scene{{{4.0, -6.0}, {4.0, 6.0}}, {{2.0, 0.8}, {2.0, 1.2}}};
+  return scan_of(scene, {}, {.angle_min = -0.9, .angle_step = 0.01, .range_max = 30}, 181);
+}
+
+template <class Params>
+void expect_normals_of_post_and_wall(Params params) {
+  params.normal.smooth_ranges = false;  // which would bend the normals at the post's sides
+  for (const Anchor anchor : {Anchor::keypoint, Anchor::peak}) {
+    params.selection.anchor = anchor;
+    const std::vector<Keypoint> keypoints = detect(post_scan(), params);
+    for (const double surface : {2.0, 4.0}) {
+      EXPECT_TRUE(std::ranges::any_of(keypoints, [surface](const Keypoint& keypoint) {
+        return std::abs(keypoint.sensor_from_keypoint.x - surface) < 1e-6;
+      })) << surface;
+    }
+    for (const Keypoint& keypoint : keypoints) { EXPECT_NEAR(keypoint.sensor_from_keypoint.theta, 0.0, 1e-6); }
+  }
+}
+
+TEST(RangeDetector, PointsAlongTheNormalOfTheSurface) {
+  expect_normals_of_post_and_wall(RangeParams{});
+}
+
+TEST(NormalEdgeDetector, PointsAlongTheNormalOfTheSurface) {
+  expect_normals_of_post_and_wall(NormalEdgeParams{});
+}
+
+/// A right-angled corner at distance 3, straight ahead, whose walls have the normals turn ± 45°.
+Scan turned_corner_scan(double turn) {
+  const Scene corner{{{0.0, 0.0}, {4.0, -4.0}}, {{0.0, 0.0}, {4.0, 4.0}}};
+  return scan_of(moved(corner, {3.0, 0.0, turn}), {}, {.angle_min = -0.6, .angle_step = 0.004, .range_max = 30}, 301);
+}
+
+TEST(NormalEdgeDetector, PointsBetweenTheNormalsOfACorner) {
+  for (const double turn : {-0.3, 0.0, 0.3}) {
+    DetectorTrace trace;
+    const std::vector<Keypoint> keypoints = detect(turned_corner_scan(turn), NormalEdgeParams{}, &trace);
+    ASSERT_EQ(keypoints.size(), 1U);
+    const Keypoint& keypoint = keypoints.front();
+    const auto point = std::ranges::find(trace.beams, keypoint.beam) - trace.beams.begin();
+    const double normal = wrap_angle(trace.signal[static_cast<std::size_t>(point)]);
+    EXPECT_NEAR(keypoint.sensor_from_keypoint.theta, normal, 1e-12);
+    EXPECT_LT(std::abs(normal - turn), pi / 4) << "between those of the walls";
+  }
+}
+
+TEST(NormalBlobDetector, PointsAlongTheNormalsOfBothSidesOfACorner) {
+  NormalBlobParams params;
+  params.peaks.threshold = 0.1;
+  params.selection.duplicate_radius = 0.0;
   params.normal.smooth_ranges = false;
-  params.normal.window = 3;
-  const std::vector<Keypoint> keypoints = detect(scan, params);
-  ASSERT_FALSE(keypoints.empty());
-  EXPECT_TRUE(std::ranges::any_of(keypoints, [](const Keypoint& keypoint) {
-    return std::abs(keypoint.sensor_from_keypoint.y - 1.0) < 0.11 &&
-           std::abs(keypoint.sensor_from_keypoint.x - 2.0) < 1e-6;
-  }));
+  for (const double turn : {-0.3, 0.0, 0.3}) {
+    const std::vector<Keypoint> keypoints = detect(turned_corner_scan(turn), params);
+    EXPECT_GE(keypoints.size(), 10U) << "both sides on five scales";
+    for (const Keypoint& keypoint : keypoints) {
+      const Pose2& pose = keypoint.sensor_from_keypoint;
+      EXPECT_NEAR(pose.theta, turn + (pose.y < 0.0 ? pi / 4 : -pi / 4), 1e-6);
+    }
+  }
 }
 
 TEST(NormalEdgeDetector, FindsTheCornerWhereTheNormalTurns) {

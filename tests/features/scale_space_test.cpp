@@ -40,6 +40,14 @@ TEST(ScaleBank, FollowsThePapersProgression) {
               Pointwise(DoubleNear(1e-12), {0.2, 0.28, 0.392, 0.5488, 0.76832}));
 }
 
+TEST(ScaleBank, IsBoundedAsAWhole) {
+  EXPECT_EQ(too_coarse({}), "");
+  EXPECT_EQ(too_coarse({.count = 5, .base = 2.0, .step = 10.0}), "") << "20000 is allowed";
+  EXPECT_THAT(too_coarse({.count = 12, .base = 1.6, .step = 10.0}), testing::HasSubstr("found 160000000000."));
+  EXPECT_NE(too_coarse({.count = 32, .base = 1000.0, .step = 10.0}), "");
+  EXPECT_EQ(smoothing_kernel({.truncation = Truncation::half_width}, largest_scale).size(), 20001U);
+}
+
 TEST(BesselKernel, IsTheScaledModifiedBesselFunction) {
   for (const double t : {0.05, 0.5, 1.6, 6.147, 40.0}) {
     const std::vector<double> half = smoothing_kernel(untruncated(), t);

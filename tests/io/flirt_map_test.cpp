@@ -253,6 +253,8 @@ TEST_F(FlirtMapFile, DamagedParametersAreErrors) {
   ASSERT_NE(name, std::string::npos);
   bad[name + 1] = 'k';
   EXPECT_THAT(complaint(sealed(bad)), HasSubstr("kurvature"));
+  const FeatureParams endless{.detector = RangeParams{.scales = {.count = 12, .base = 1.6, .step = 10.0}}};
+  EXPECT_THAT(complaint(bytes_of(PlaceMapBuilder(endless).build())), HasSubstr("detector: scale_base"));
 }
 
 TEST_F(FlirtMapFile, DescriptorsThatNoScanHasAreErrors) {
