@@ -15,7 +15,13 @@
 
 namespace flirt {
 
-enum class OdometryJump : std::uint8_t { no, perhaps, yes };
+/// Whether odometry tells of a motion that no robot makes.
+enum class OdometryJump : std::uint8_t {
+  none,
+  perhaps,   ///< much farther than of late, in a time that is not known
+  probable,  ///< much faster than of late
+  certain,   ///< farther than any map of one place
+};
 
 /// The motion that odometry tells, or that of the step before where there is none (P1 §3).
 class DeadReckoning {
@@ -33,22 +39,23 @@ class DeadReckoning {
   }
   /// What the scans said of the step before, whatever odometry tells of this one.
   [[nodiscard]] const Pose2& last_motion() const { return last_motion_; }
-  /// Whether the robot moves as odometry tells. Not where that is three times as fast as it was of late, and over 3
-  /// m/s: a counter was set back, or a message damaged. Where stamps tell nothing, three times as far is doubtful.
+  /// A counter was set back, say, or a message damaged: three times as fast as of late and over 3 m/s, or, where stamps
+  /// tell nothing, three times as far; in any case over 1.5 m.
   [[nodiscard]] OdometryJump odometry_jump(const SlamScan& scan) const {
     constexpr double shortest = 1.5;   // m
     constexpr double longest = 100;    // m
     constexpr double slowest = 3;      // m/s
     constexpr std::size_t fewest = 5;  // steps to compare with
-    if (!uses_odometry(scan)) { return OdometryJump::no; }
+    if (!uses_odometry(scan)) { return OdometryJump::none; }
     const double way = norm(motion(scan).translation());
-    if (way < shortest) { return OdometryJump::no; }
+    if (way < shortest) { return OdometryJump::none; }
     const double seconds = scan.scan.stamp - last_stamp_;
-    if (way > longest) { return OdometryJump::yes; }
+    if (way > longest) { return OdometryJump::certain; }
     if (seconds > 0 && speeds_.size() >= fewest) {
-      return way > seconds * std::max(slowest, 3 * std::ranges::max(speeds_)) ? OdometryJump::yes : OdometryJump::no;
+      return way > seconds * std::max(slowest, 3 * std::ranges::max(speeds_)) ? OdometryJump::probable
+                                                                              : OdometryJump::none;
     }
-    return way > 3 * longest_step() ? OdometryJump::perhaps : OdometryJump::no;
+    return way > 3 * longest_step() ? OdometryJump::perhaps : OdometryJump::none;
   }
   /// m, of the last motions.
   [[nodiscard]] double longest_step() const { return steps_.empty() ? 0 : std::ranges::max(steps_); }

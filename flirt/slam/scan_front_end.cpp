@@ -153,6 +153,23 @@ std::optional<ScanFrontEnd::Placed> ScanFrontEnd::place(const SlamScan& scan, co
   return answer();
 }
 
+/// By odometry, unless it jumps and the scan tells more near the pose before.
+ScanFrontEnd::Attempt ScanFrontEnd::placed_despite_jumps(const SlamScan& scan) {
+  const auto attempt = [&](const Prediction& prediction) { return Attempt{prediction, place(scan, prediction)}; };
+  const OdometryJump jump = reckoning_.odometry_jump(scan);
+  const Prediction by_odometry = predicted(scan);
+  if (jump == OdometryJump::none) { return attempt(by_odometry); }
+  const Prediction as_before{recent_.back() * reckoning_.last_motion(), std::nullopt};
+  if (jump == OdometryJump::perhaps) {
+    const Attempt told = attempt(by_odometry);
+    if (is_believable(told.placed)) { return told; }
+    const Attempt near = attempt(as_before);
+    return is_believable(near.placed) ? near : told;
+  }
+  const Attempt near = attempt(as_before);
+  return is_believable(near.placed) || jump == OdometryJump::certain ? near : attempt(by_odometry);
+}
+
 void ScanFrontEnd::add_to_map(const SlamScan& scan, const Pose2& local_from_robot) {
   const SurfacePoints& points = scan.points;
   constexpr double closest = 0.1;  // m of way; a robot that stands still says nothing new
@@ -273,17 +290,7 @@ ScanMotion ScanFrontEnd::add(const SlamScan& scan) {
     remember(scan, {params_.start_x, params_.start_y, params_.start_theta});
     return motion;
   }
-  const Prediction without_odometry{recent_.back() * reckoning_.last_motion(), std::nullopt};
-  const OdometryJump jump = reckoning_.odometry_jump(scan);
-  Prediction prediction = jump == OdometryJump::yes ? without_odometry : predicted(scan);
-  std::optional<Placed> placed = place(scan, prediction);
-  if (jump == OdometryJump::perhaps && !is_believable(placed)) {
-    const std::optional<Placed> near = place(scan, without_odometry);
-    if (is_believable(near)) {
-      prediction = without_odometry;
-      placed = near;
-    }
-  }
+  const auto [prediction, placed] = placed_despite_jumps(scan);
   Judged found{prediction.local_from_robot, {}, -1e9};
   std::optional<Pose2> rival;
   motion.source = MotionSource::prediction;

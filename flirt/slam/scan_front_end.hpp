@@ -65,6 +65,11 @@ class ScanFrontEnd {
   [[nodiscard]] double wide_extent() const;
   [[nodiscard]] bool is_believable(const std::optional<Placed>& placed) const;
   [[nodiscard]] std::optional<Placed> place(const SlamScan& scan, const Prediction& prediction);
+  struct Attempt {
+    Prediction prediction;
+    std::optional<Placed> placed;
+  };
+  [[nodiscard]] Attempt placed_despite_jumps(const SlamScan& scan);
   void remember(const SlamScan& scan, const Pose2& local_from_robot);
   void restart(const SlamScan& scan, const Pose2& local_from_robot);
   void add_to_map(const SlamScan& scan, const Pose2& local_from_robot);
