@@ -161,12 +161,12 @@ ScanFrontEnd::Attempt ScanFrontEnd::placed_despite_jumps(const SlamScan& scan) {
   if (jump == OdometryJump::none) { return attempt(by_odometry); }
   const Prediction as_before{recent_.back() * reckoning_.last_motion(), std::nullopt};
   if (jump == OdometryJump::perhaps) {
-    const Attempt told = attempt(by_odometry);
+    Attempt told = attempt(by_odometry);
     if (is_believable(told.placed)) { return told; }
-    const Attempt near = attempt(as_before);
+    Attempt near = attempt(as_before);
     return is_believable(near.placed) ? near : told;
   }
-  const Attempt near = attempt(as_before);
+  Attempt near = attempt(as_before);
   return is_believable(near.placed) || jump == OdometryJump::certain ? near : attempt(by_odometry);
 }
 
