@@ -30,11 +30,16 @@ Counted counted(const Slam& slam, const ScanLog& log, EdgeKind kind) {
   return count;
 }
 
+Slam slam_of_short_drive(const SlamParams& params) {
+  Slam slam(params);
+  for (const Scan& scan : short_drive().scans) { slam.add(scan); }
+  slam.finish();
+  return slam;
+}
+
 TEST(Flirt, KeypointsAloneMapABuilding) {
   const ScanLog& log = short_drive();
-  Slam slam({.front_end = FrontEndKind::flirt});
-  for (const Scan& scan : log.scans) { slam.add(scan); }
-  slam.finish();
+  const Slam slam = slam_of_short_drive({.front_end = FrontEndKind::flirt});
   EXPECT_LT(error_of(slam.graph().map_from_node, log.map_from_robot), 0.1);
   const Counted loops = counted(slam, log, EdgeKind::loop);
   EXPECT_GT(loops.edges, 100U);
@@ -45,9 +50,7 @@ TEST(Flirt, ByThePapersOwnChoicesToo) {
   const ScanLog& log = short_drive();
   SlamParams params{.front_end = FrontEndKind::flirt, .backend = Backend::toro};
   params.flirt.ransac = {.sampling = Sampling::random, .max_turn_difference = std::numbers::pi};
-  Slam slam(params);
-  for (const Scan& scan : log.scans) { slam.add(scan); }
-  slam.finish();
+  const Slam slam = slam_of_short_drive(params);
   EXPECT_LT(error_of(slam.graph().map_from_node, log.map_from_robot), 0.1);
   const Counted loops = counted(slam, log, EdgeKind::loop);
   EXPECT_GT(loops.edges, 50U);
@@ -55,14 +58,10 @@ TEST(Flirt, ByThePapersOwnChoicesToo) {
 }
 
 TEST(Flirt, IcpMakesTheMapOfABuildingMoreAccurate) {
-  const ScanLog& log = short_drive();
-  const auto error_with = [&](FlirtRefinement refinement) {
+  const auto error_with = [](FlirtRefinement refinement) {
     SlamParams params{.front_end = FrontEndKind::flirt};
     params.flirt.refinement = refinement;
-    Slam slam(params);
-    for (const Scan& scan : log.scans) { slam.add(scan); }
-    slam.finish();
-    return error_of(slam.graph().map_from_node, log.map_from_robot);
+    return error_of(slam_of_short_drive(params).graph().map_from_node, short_drive().map_from_robot);
   };
   EXPECT_LT(error_with(FlirtRefinement::icp), 0.7 * error_with(FlirtRefinement::off));
 }
