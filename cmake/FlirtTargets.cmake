@@ -5,6 +5,8 @@ target_compile_options(flirt_options INTERFACE -Wall -Wextra -Wpedantic -Wconver
 target_compile_options(flirt_options INTERFACE $<$<AND:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>,$<CXX_COMPILER_ID:GNU>>:-Wno-subobject-linkage>)
 # GCC 12 sees overlaps in `"text" + string` that aren't there (its bug 105651).
 target_compile_options(flirt_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
+# The standard library's own std::stable_sort uses what it calls deprecated.
+target_compile_options(flirt_options INTERFACE $<$<CXX_COMPILER_ID:Clang>:-Wno-deprecated-declarations>)
 # No multiply-add unless it is asked for: the same bits on processors with and without the instruction.
 target_compile_options(flirt_options INTERFACE -ffp-contract=off)
 

@@ -2,7 +2,7 @@
 // (P1 §2.2, P2 §III-B).
 #pragma once
 
-#include "flirt/features/aligned.hpp"
+#include "flirt/core/aligned_vector.hpp"
 #include "flirt/features/beta_grid_kernel.hpp"
 #include "flirt/features/describe_geometry.hpp"
 
@@ -94,16 +94,17 @@ class BetaGrid {
   void count_radial(const beta_grid_kernel::Course& course);
 
   BetaGridParams params_;
-  std::size_t stride_;               ///< angular bins, padded
-  std::vector<Point2> lower_;        ///< clockwise side of each angular bin, inflated, relative to the keypoint
-  std::vector<Point2> upper_;        ///< counter-clockwise side
-  AlignedDoubles placed_sides_;      ///< the same in the sensor frame: x, y of the lower, x, y of the upper; 4 × stride
+  std::size_t stride_;         ///< angular bins, padded
+  std::vector<Point2> lower_;  ///< clockwise side of each angular bin, inflated, relative to the keypoint
+  std::vector<Point2> upper_;  ///< counter-clockwise side
+  AlignedVector<double>
+      placed_sides_;                 ///< the same in the sensor frame: x, y of the lower, x, y of the upper; 4 × stride
   std::vector<double> low_squared_;  ///< m², inner arc of each radial bin, inflated
   std::vector<double> high_squared_;  ///< m², outer arc
   Point2 keypoint_from_sensor_{};     ///< where the sensor is, seen from the keypoint, axes of the sensor frame
   std::vector<beta_grid_kernel::Course> courses_;
-  AlignedDoubles hit_counts_;   ///< radial bins × stride
-  AlignedDoubles miss_counts_;  ///< radial bins × stride
+  AlignedVector<double> hit_counts_;   ///< radial bins × stride
+  AlignedVector<double> miss_counts_;  ///< radial bins × stride
   std::vector<std::uint32_t> hits_;
   std::vector<std::uint32_t> misses_;
 };

@@ -106,14 +106,14 @@ void CurveSmoother::split_positions(double reach) {
 }
 
 /// Gives every ghost the value of its point, and the padding zeros: no weight.
-void CurveSmoother::append_ghosts(AlignedFloats& values) const {
+void CurveSmoother::append_ghosts(AlignedVector<float>& values) const {
   resize_padded(values, extended_);
   for (std::size_t j = points_; j < extended_; ++j) { values[j] = values[j - points_]; }
   std::fill(values.begin() + static_cast<std::ptrdiff_t>(extended_), values.end(), 0.0F);
 }
 
 /// Adds what the ghosts have collected to their points.
-void CurveSmoother::fold_ghosts(AlignedFloats& sums) const {
+void CurveSmoother::fold_ghosts(AlignedVector<float>& sums) const {
   for (std::size_t j = points_; j < extended_; ++j) { sums[j - points_] += sums[j]; }
 }
 
@@ -139,7 +139,7 @@ void CurveSmoother::smooth(double t, double reach, SmoothedCurve& out) {
                                    .ends = ends_.data()};
   const std::size_t size = curve_kernels::find_ends(pairs);
   if (kernel_.size() < size) { kernel_.resize(size); }
-  for (AlignedFloats* column : {&density_, &weight_, &sum_, &sum_x_, &sum_y_}) {
+  for (AlignedVector<float>* column : {&density_, &weight_, &sum_, &sum_x_, &sum_y_}) {
     resize_padded(*column, extended_);
     std::ranges::fill(*column, 0.0F);
   }
@@ -151,11 +151,11 @@ void CurveSmoother::smooth(double t, double reach, SmoothedCurve& out) {
   fold_ghosts(density_);
 
   curve_kernels::invert(density_.data(), points_, weight_.data());
-  for (AlignedFloats* column : {&weight_, &x_, &y_}) { append_ghosts(*column); }
+  for (AlignedVector<float>* column : {&weight_, &x_, &y_}) { append_ghosts(*column); }
   std::copy_n(weight_.begin(), points_, sum_.begin());  // k_ii again
   const curve_kernels::Columns sums{sum_.data(), sum_x_.data(), sum_y_.data()};
   curve_kernels::weighted_sums(pairs, kernel_.data(), {weight_.data(), x_.data(), y_.data()}, sums, rows);
-  for (AlignedFloats* column : {&sum_, &sum_x_, &sum_y_}) { fold_ghosts(*column); }
+  for (AlignedVector<float>* column : {&sum_, &sum_x_, &sum_y_}) { fold_ghosts(*column); }
   curve_kernels::divide_columns(sums, points_);
   for (std::size_t i = 0; i < points_; ++i) {
     out.x[i] = exact_x_[i] + double{sum_x_[i]};

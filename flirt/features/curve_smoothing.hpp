@@ -1,7 +1,7 @@
 // flirt/features/curve_smoothing.hpp: the curve of a scan at several scales, independent of how densely it is sampled.
 #pragma once
 
-#include "flirt/features/aligned.hpp"
+#include "flirt/core/aligned_vector.hpp"
 #include "flirt/features/geodesic.hpp"
 
 #include <cstddef>
@@ -45,32 +45,32 @@ class CurveSmoother {
  private:
   void lay_out(double unit, double reach);
   void split_positions(double reach);
-  void append_ghosts(AlignedFloats& values) const;
-  void fold_ghosts(AlignedFloats& sums) const;
+  void append_ghosts(AlignedVector<float>& values) const;
+  void fold_ghosts(AlignedVector<float>& sums) const;
 
   std::size_t points_{0};
   std::size_t extended_{0};  ///< points, and ghosts: points met again after one turn
   bool closed_{false};
-  double length_{0};                 ///< m, of a closed curve
-  std::vector<double> exact_x_;      ///< m
-  std::vector<double> exact_y_;      ///< m
-  AlignedFloats x_;                  ///< m, of points and ghosts
-  AlignedFloats y_;                  ///< m
-  AlignedDoubles arc_;               ///< m
-  AlignedDoubles position_;          ///< arc lengths in the unit of the scale, of points and ghosts
-  AlignedFloats row_high_;           ///< `position_` in single precision, of points
-  AlignedFloats row_low_;            ///< the rest of it
-  AlignedFloats position_high_;      ///< the same of points and ghosts, each group twice
-  AlignedFloats position_low_;       ///< the rest of it, each group twice
-  AlignedFloats reach_of_;           ///< of each point that can be second of a pair, each group twice
-  std::vector<std::uint32_t> ends_;  ///< of the rows of pairs
-  AlignedFloats kernel_;             ///< k_ij of all pairs
-  AlignedFloats density_;            ///< p_i = Σ k_ij
-  AlignedFloats weight_;             ///< 1 / p_j
-  AlignedFloats sum_;                ///< Σ k_ij / p_j
-  AlignedFloats sum_x_;              ///< Σ k_ij (x_j − x_i) / p_j, m; then the offset of the smoothed point
-  AlignedFloats sum_y_;              ///< the same in y, m
-  AlignedFloats rows_;               ///< working memory of the sums, three columns
+  double length_{0};                    ///< m, of a closed curve
+  std::vector<double> exact_x_;         ///< m
+  std::vector<double> exact_y_;         ///< m
+  AlignedVector<float> x_;              ///< m, of points and ghosts
+  AlignedVector<float> y_;              ///< m
+  AlignedVector<double> arc_;           ///< m
+  AlignedVector<double> position_;      ///< arc lengths in the unit of the scale, of points and ghosts
+  AlignedVector<float> row_high_;       ///< `position_` in single precision, of points
+  AlignedVector<float> row_low_;        ///< the rest of it
+  AlignedVector<float> position_high_;  ///< the same of points and ghosts, each group twice
+  AlignedVector<float> position_low_;   ///< the rest of it, each group twice
+  AlignedVector<float> reach_of_;       ///< of each point that can be second of a pair, each group twice
+  std::vector<std::uint32_t> ends_;     ///< of the rows of pairs
+  AlignedVector<float> kernel_;         ///< k_ij of all pairs
+  AlignedVector<float> density_;        ///< p_i = Σ k_ij
+  AlignedVector<float> weight_;         ///< 1 / p_j
+  AlignedVector<float> sum_;            ///< Σ k_ij / p_j
+  AlignedVector<float> sum_x_;          ///< Σ k_ij (x_j − x_i) / p_j, m; then the offset of the smoothed point
+  AlignedVector<float> sum_y_;          ///< the same in y, m
+  AlignedVector<float> rows_;           ///< working memory of the sums, three columns
 };
 
 /// The same over any geodesic distances; pairs further apart than reach · t are left out. O(neighbours).

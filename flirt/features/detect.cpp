@@ -27,7 +27,7 @@ struct Work {
   std::vector<Keypoint> keypoints{};
   // Curvature.
   CurveSmoother smoother{};
-  AlignedDoubles arc{};
+  AlignedVector<double> arc{};
   std::vector<SmoothedCurve> smoothed_curves{};  ///< one per scale
   // Signals.
   std::vector<double> extended{};

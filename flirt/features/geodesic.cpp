@@ -148,7 +148,7 @@ class Explorer {
 
 }  // namespace
 
-double arc_lengths(std::span<const double> x, std::span<const double> y, bool closed, AlignedDoubles& arc) {
+double arc_lengths(std::span<const double> x, std::span<const double> y, bool closed, AlignedVector<double>& arc) {
   const std::size_t n = x.size();
   arc.resize(n);
   if (n == 0) { return 0.0; }

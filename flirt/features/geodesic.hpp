@@ -1,7 +1,7 @@
 // flirt/features/geodesic.hpp: distances along the curve that a scan draws.
 #pragma once
 
-#include "flirt/features/aligned.hpp"
+#include "flirt/core/aligned_vector.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace flirt {
 
 /// arc[i] = length of the polyline from point 0 to point i, m. Returns its total length; with `closed` that includes
 /// the way from the last point back to the first. O(n).
-double arc_lengths(std::span<const double> x, std::span<const double> y, bool closed, AlignedDoubles& arc);
+double arc_lengths(std::span<const double> x, std::span<const double> y, bool closed, AlignedVector<double>& arc);
 
 /// For every point the points within reach and their geodesic distances, compressed row by row: row i holds the entries
 /// first[i] .. first[i + 1], itself (distance 0) among them, in increasing order of the index.

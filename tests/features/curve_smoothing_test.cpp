@@ -38,7 +38,7 @@ struct Smoothed {
 Smoothed smoothed(const Curve& curve, double t, double lost_mass = 1e-6) {
   Smoothed result;
   CurveSmoother smoother;
-  AlignedDoubles arc;
+  AlignedVector<double> arc;
   const double length = arc_lengths(curve.x, curve.y, curve.closed, arc);
   smoother.set_curve(curve.x, curve.y, arc, curve.closed, length);
   smoother.smooth(t, gaussian_reach(lost_mass), result.curve);
@@ -144,7 +144,7 @@ TEST(CurveSmoother, EqualsTheDefinitionOnClosedCurves) {
 
 TEST(CurveSmoother, GivesTheSameOverListedGeodesicDistances) {
   const Curve curve = wobbly(150, 13);
-  AlignedDoubles arc;
+  AlignedVector<double> arc;
   arc_lengths(curve.x, curve.y, false, arc);
   GeodesicNeighbours neighbours{{0}, {}, {}};
   for (std::size_t i = 0; i < 150; ++i) {
@@ -165,7 +165,7 @@ TEST(CurveSmoother, IsAffineEquivariant) {
   const auto map = [](Point2 p) { return Point2{3.0 + 0.5 * p.x - 1.2 * p.y, -1.0 + 0.7 * p.x + 0.9 * p.y}; };
   Curve mapped;
   for (std::size_t i = 0; i < curve.x.size(); ++i) { mapped.add(map(curve.at(i))); }
-  AlignedDoubles arc;  // the same geodesic coordinate for both
+  AlignedVector<double> arc;  // the same geodesic coordinate for both
   const double length = arc_lengths(curve.x, curve.y, false, arc);
   CurveSmoother smoother;
   SmoothedCurve of_curve;
@@ -186,7 +186,7 @@ TEST(CurveSmoother, LeavesAnEvenStraightLineWhereItIsButForItsEnds) {
   for (int i = 0; i <= 400; ++i) { curve.add({0.02 * i, 1.0 + 0.03 * i}); }
   const double t = 0.392;
   const Smoothed result = smoothed(curve, t);
-  AlignedDoubles arc;
+  AlignedVector<double> arc;
   const double length = arc_lengths(curve.x, curve.y, false, arc);
   for (std::size_t i = 0; i < curve.x.size(); ++i) {
     // Twice the reach: at an end the density too is one-sided.
@@ -303,7 +303,7 @@ TEST(CurveSmoother, CopesWithCoincidentPointsAndWithNone) {
 TEST(CurveSmoother, KeepsNothingFromOneCurveToTheNext) {
   CurveSmoother used;
   SmoothedCurve out;
-  AlignedDoubles arc;
+  AlignedVector<double> arc;
   const Curve large = wobbly(300, 1);
   const double length = arc_lengths(large.x, large.y, true, arc);
   used.set_curve(large.x, large.y, arc, true, length);

@@ -70,7 +70,7 @@ Ends kruskal(const Points& points, int trees) {
 }
 
 TEST(ArcLengths, AddUpTheSegments) {
-  AlignedDoubles arc;
+  AlignedVector<double> arc;
   const std::vector<double> x{0, 3, 3, 0};
   const std::vector<double> y{0, 0, 4, 0};
   EXPECT_EQ(arc_lengths(x, y, false, arc), 12.0);

@@ -12,7 +12,7 @@
 
 namespace flirt {
 
-inline constexpr ReadOptions lenient{.broken_lines = BrokenLines::lenient};
+inline const ReadOptions lenient{.broken_lines = BrokenLines::lenient};
 
 [[nodiscard]] inline Result<LoadedLog> read_text(std::string_view text, const ReadOptions& options = {}) {
   const TemporaryFolder folder;

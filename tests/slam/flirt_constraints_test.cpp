@@ -54,28 +54,28 @@ std::set<std::uint32_t> earlier_nodes(const std::vector<Closure>& closures) {
 }
 
 TEST(FlirtConstraints, AStepBringsTheBestFifteenOfThemItsMatchedMotion) {
-  const auto scans = scans_at_one_place(20, [](std::uint32_t /*i*/) { return 8; });
+  const auto scans = scans_at_one_place(20, [](std::uint32_t /*i*/) { return 8U; });
   const PoseGraph graph = chain(20, 0, 0.1);
   EXPECT_EQ(last_closures(scans, graph, {}, MotionSource::prediction).size(), 15U);
   EXPECT_EQ(last_closures(scans, graph, {}, MotionSource::narrow).size(), 14U);
 }
 
 TEST(FlirtConstraints, MoreInliersComeFirst) {
-  const auto scans = scans_at_one_place(12, [](std::uint32_t i) { return i == 3 || i == 5 || i == 11 ? 10 : 8; });
+  const auto scans = scans_at_one_place(12, [](std::uint32_t i) { return i == 3 || i == 5 || i == 11 ? 10U : 8U; });
   SlamParams params;
   params.flirt.best_constraints = 2;
   EXPECT_EQ(earlier_nodes(last_closures(scans, chain(12, 0, 0.1), params)), (std::set<std::uint32_t>{3, 5}));
 }
 
 TEST(FlirtConstraints, AWindowHoldsNoOlderScans) {
-  const auto scans = scans_at_one_place(12, [](std::uint32_t /*i*/) { return 8; });
+  const auto scans = scans_at_one_place(12, [](std::uint32_t /*i*/) { return 8U; });
   SlamParams params;
   params.window = 4;
   EXPECT_EQ(earlier_nodes(last_closures(scans, chain(12, 0, 0.1), params)), (std::set<std::uint32_t>{7, 8, 9}));
 }
 
 TEST(FlirtConstraints, TheShortestPathRefusesWhatItContradicts) {
-  const auto scans = scans_at_one_place(5, [](std::uint32_t /*i*/) { return 8; });
+  const auto scans = scans_at_one_place(5, [](std::uint32_t /*i*/) { return 8U; });
   SlamParams params;
   const PoseGraph moved = chain(5, 1, 0.05);  // though the keypoints say that nothing moved
   EXPECT_TRUE(last_closures(scans, moved, params).empty());
@@ -85,7 +85,7 @@ TEST(FlirtConstraints, TheShortestPathRefusesWhatItContradicts) {
 }
 
 TEST(FlirtConstraints, PlacesLeftLongAgoAreLoops) {
-  const auto scans = scans_at_one_place(5, [](std::uint32_t /*i*/) { return 8; });
+  const auto scans = scans_at_one_place(5, [](std::uint32_t /*i*/) { return 8U; });
   SlamParams params;
   params.loop_min_scans = 3;
   params.loop_min_travel = 3;

@@ -70,7 +70,7 @@ TEST(FlirtFrontEnd, ABareCorridorIsFeaturelessAndTheLastMotionGoesOn) {
 TEST(FlirtFrontEnd, RangesByChanceAreCluttered) {
   FlirtFrontEnd front_end{SlamParams{}};
   const Pose2 last = first_motion(front_end).relative.at(0).earlier_from_robot;
-  for (const std::uint64_t seed : {1, 2}) {
+  for (const std::uint64_t seed : {1U, 2U}) {
     const ScanMotion motion = front_end.add(test::with_keypoints(clutter_of(seed)));
     EXPECT_EQ(motion.structure, Structure::cluttered);
     expect_prediction(motion, last);
