@@ -130,13 +130,15 @@ int run(BenchAblationOptions& options, const Session& session) {
 
 void add_bench_ablation(CLI::App& bench, Session& session) {
   auto options = std::make_shared<BenchAblationOptions>();
+  const auto add_options = [options](CLI::App& command) {
+    options->locations.add(command, options->bench.detectors.transforms.partners);
+    command.add_option("--every", options->bench.localization.every, "query every K-th scan (default 1)")
+        ->check(CLI::Range(1, 1000000));
+    command.add_option("-o,--output", options->out, "folder for report.html and tables (CSV, JSON)");
+  };
   CLI::App* command = add_command(bench, session, "ablation",
                                   "The papers' localization and repeatability with one choice changed at a time.",
-                                  "flirt bench ablation aces.log.gz fr101.log.gz -o results");
-  options->locations.add(*command, options->bench.detectors.transforms.partners);
-  command->add_option("--every", options->bench.localization.every, "query every K-th scan (default 1)")
-      ->check(CLI::Range(1, 1000000));
-  command->add_option("-o,--output", options->out, "folder for report.html and tables (CSV, JSON)");
+                                  "flirt bench ablation aces.log.gz fr101.log.gz -o results", add_options);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

@@ -236,29 +236,33 @@ std::vector<std::string> names_of(const std::vector<Named>& list) {
 
 void add_bench_arena(CLI::App& bench, Session& session) {
   auto options = std::make_shared<BenchArenaOptions>();
-  CLI::App* command = add_command(bench, session, "arena",
-                                  "Ours and rival detectors, descriptors and matchers in every combination, in both "
-                                  "localization protocols.",
-                                  "flirt bench arena aces.log.gz --every 10 --detectors curvature,falko -o results");
-  command->add_option("LOG", options->log, "log with corrected poses")->required();
-  command->add_option("--every", options->arena.every, "query every K-th scan (default 1)")
-      ->check(CLI::Range(1, 1000000));
-  std::vector<std::string> descriptors = names_of(all_descriptors());
-  descriptors.emplace_back("none");
-  const auto add_list = [&](const char* flag, std::vector<std::string>& chosen, const std::vector<std::string>& names) {
-    command->add_option(flag, chosen, fmt::format("some of {} (default all)", fmt::join(names, ",")))
-        ->delimiter(',')
-        ->check(CLI::IsMember(names));
+  const auto add_options = [options](CLI::App& command) {
+    command.add_option("LOG", options->log, "log with corrected poses")->required();
+    command.add_option("--every", options->arena.every, "query every K-th scan (default 1)")
+        ->check(CLI::Range(1, 1000000));
+    std::vector<std::string> descriptors = names_of(all_descriptors());
+    descriptors.emplace_back("none");
+    const auto add_list = [&](const char* flag, std::vector<std::string>& chosen,
+                              const std::vector<std::string>& names) {
+      command.add_option(flag, chosen, fmt::format("some of {} (default all)", fmt::join(names, ",")))
+          ->delimiter(',')
+          ->check(CLI::IsMember(names));
+    };
+    add_list("--detectors", options->detectors, names_of(all_detectors()));
+    add_list("--descriptors", options->descriptors, descriptors);
+    add_list("--matchers", options->matchers, {"ransac", "clique", "hough"});
+    command.add_option("-o,--output", options->out,
+                       "folder for report.html, arena.json, tables (CSV, JSON) and figures (SVG)");
+    options->params.add(command, "ransac", options->arena.matchers.ransac);
+    options->params.add(command, "clique", options->arena.matchers.clique);
+    options->params.add(command, "hough", options->arena.matchers.hough);
+    options->params.add(command, "glarot", options->arena.glarot);
   };
-  add_list("--detectors", options->detectors, names_of(all_detectors()));
-  add_list("--descriptors", options->descriptors, descriptors);
-  add_list("--matchers", options->matchers, {"ransac", "clique", "hough"});
-  command->add_option("-o,--output", options->out,
-                      "folder for report.html, arena.json, tables (CSV, JSON) and figures (SVG)");
-  options->params.add(*command, "ransac", options->arena.matchers.ransac);
-  options->params.add(*command, "clique", options->arena.matchers.clique);
-  options->params.add(*command, "hough", options->arena.matchers.hough);
-  options->params.add(*command, "glarot", options->arena.glarot);
+  CLI::App* command =
+      add_command(bench, session, "arena",
+                  "Ours and rival detectors, descriptors and matchers in every combination, in both "
+                  "localization protocols.",
+                  "flirt bench arena aces.log.gz --every 10 --detectors curvature,falko -o results", add_options);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

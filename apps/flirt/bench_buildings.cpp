@@ -208,23 +208,25 @@ int run(BenchBuildingsOptions& options, const Session& session) {
 
 void add_bench_buildings(CLI::App& bench, Session& session) {
   auto options = std::make_shared<BenchBuildingsOptions>();
+  const auto add_options = [options](CLI::App& command) {
+    command.add_option("MAPS", options->maps, "YAML files of grid maps (default: made-up offices)");
+    command.add_option("--office-seeds", options->office_seeds, "offices to make up (default 1)")->delimiter(',');
+    command.add_option("--fields-of-view", options->fields_of_view, "of the scanners, degrees (default 180,270,360)")
+        ->delimiter(',')
+        ->check(CLI::Range(10.0, 360.0));
+    command.add_option("--people", options->people, "per cent of the beams that end on people (default 0,10,20,30)")
+        ->delimiter(',')
+        ->check(CLI::Range(0.0, 90.0));
+    command.add_option("--queries", options->queries, "scans asked in each row (default 100)")
+        ->check(CLI::Range(1, 1000000));
+    command.add_option("-o,--output", options->out, "folder for buildings.json and pictures of what was not found");
+    options->params.add(command, "office", options->office, {"seed"});
+    options->params.add(command, "lidar", options->lidar, {"field_of_view"});
+    options->localize.add(command, options->params);
+  };
   CLI::App* command = add_command(bench, session, "buildings",
                                   "Find single scans in buildings with exact truth, with people in the way.",
-                                  "flirt bench buildings --office-seeds 1,2 --people 0,30 -o results");
-  command->add_option("MAPS", options->maps, "YAML files of grid maps (default: made-up offices)");
-  command->add_option("--office-seeds", options->office_seeds, "offices to make up (default 1)")->delimiter(',');
-  command->add_option("--fields-of-view", options->fields_of_view, "of the scanners, degrees (default 180,270,360)")
-      ->delimiter(',')
-      ->check(CLI::Range(10.0, 360.0));
-  command->add_option("--people", options->people, "per cent of the beams that end on people (default 0,10,20,30)")
-      ->delimiter(',')
-      ->check(CLI::Range(0.0, 90.0));
-  command->add_option("--queries", options->queries, "scans asked in each row (default 100)")
-      ->check(CLI::Range(1, 1000000));
-  command->add_option("-o,--output", options->out, "folder for buildings.json and pictures of what was not found");
-  options->params.add(*command, "office", options->office, {"seed"});
-  options->params.add(*command, "lidar", options->lidar, {"field_of_view"});
-  options->localize.add(*command, options->params);
+                                  "flirt bench buildings --office-seeds 1,2 --people 0,30 -o results", add_options);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

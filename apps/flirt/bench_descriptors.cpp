@@ -241,14 +241,17 @@ int run(BenchDescriptorsOptions& options, const Session& session) {
 
 void add_bench_descriptors(CLI::App& bench, Session& session) {
   auto options = std::make_shared<BenchDescriptorsOptions>();
-  CLI::App* command = add_command(bench, session, "descriptors",
-                                  "Precision and recall of detectors with descriptors under changes of the scan (P2 "
-                                  "Fig. 7).",
-                                  "flirt bench descriptors fr079.log.gz intel.log.gz csail.log.gz -o results");
-  options->locations.add(*command, options->bench.transforms.partners);
-  command->add_flag("--rivals", options->rivals,
-                    "BSC and CGH, and FALKO and OC keypoints, among the other descriptors");
-  command->add_option("-o,--output", options->out, "folder for report.html, tables (CSV, JSON) and figures (SVG)");
+  const auto add_options = [options](CLI::App& command) {
+    options->locations.add(command, options->bench.transforms.partners);
+    command.add_flag("--rivals", options->rivals,
+                     "BSC and CGH, and FALKO and OC keypoints, among the other descriptors");
+    command.add_option("-o,--output", options->out, "folder for report.html, tables (CSV, JSON) and figures (SVG)");
+  };
+  CLI::App* command =
+      add_command(bench, session, "descriptors",
+                  "Precision and recall of detectors with descriptors under changes of the scan (P2 "
+                  "Fig. 7).",
+                  "flirt bench descriptors fr079.log.gz intel.log.gz csail.log.gz -o results", add_options);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

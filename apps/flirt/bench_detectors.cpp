@@ -207,14 +207,16 @@ int run(BenchDetectorsOptions& options, const Session& session) {
 
 void add_bench_detectors(CLI::App& bench, Session& session) {
   auto options = std::make_shared<BenchDetectorsOptions>();
+  const auto add_options = [options](CLI::App& command) {
+    options->locations.add(command, options->bench.transforms.partners);
+    command.add_option("--common-radius", options->bench.common_radius, "m, of the common regions (default 0.5)")
+        ->check(CLI::Range(0.01, 10.0));
+    command.add_flag("--rivals", options->rivals, "FALKO and OC as well, among the defaults");
+    command.add_option("-o,--output", options->out, "folder for report.html, tables (CSV, JSON) and figures (SVG)");
+  };
   CLI::App* command =
       add_command(bench, session, "detectors", "Repeatability of the detectors under changes of the scan (P2 Fig. 6).",
-                  "flirt bench detectors fr079.log.gz intel.log.gz csail.log.gz -o results");
-  options->locations.add(*command, options->bench.transforms.partners);
-  command->add_option("--common-radius", options->bench.common_radius, "m, of the common regions (default 0.5)")
-      ->check(CLI::Range(0.01, 10.0));
-  command->add_flag("--rivals", options->rivals, "FALKO and OC as well, among the defaults");
-  command->add_option("-o,--output", options->out, "folder for report.html, tables (CSV, JSON) and figures (SVG)");
+                  "flirt bench detectors fr079.log.gz intel.log.gz csail.log.gz -o results", add_options);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

@@ -124,32 +124,35 @@ int run(BenchLocalizationOptions& options, const Session& session) {
 
 void add_bench_localization(CLI::App& bench, Session& session) {
   auto options = std::make_shared<BenchLocalizationOptions>();
+  const auto add_options = [options](CLI::App& command) {
+    command.add_option("LOG", options->log, "log with corrected poses (they are the truth)")->required();
+    command.add_option("--poses", options->poses, poses_flag_help);
+    command
+        .add_option("--protocol", options->protocol,
+                    "paper: only the query leaves the map; revisit: 10 m of travel around it (default paper)")
+        ->check(CLI::IsMember({"paper", "revisit"}));
+    command.add_option("--every", options->bench.every, "query every K-th scan (default 1)")
+        ->check(CLI::Range(1, 1000000));
+    command
+        .add_option("--join", options->bench.join,
+                    "revisit: ask for each scan together with those before it, N in all, by odometry (default 1)")
+        ->check(CLI::Range(1, 1000));
+    command.add_option(
+        "--distractors", options->distractors,
+        "with revisit: log of another building, of which every K-th scan is asked, too; may be repeated");
+    command.add_flag("--ablation", options->ablation,
+                     "with revisit: run again without each ingredient, with a paired test against all of them");
+    command.add_option("--variants", options->variants, "with --ablation: only these, separated by commas")
+        ->delimiter(',')
+        ->needs("--ablation");
+    command.add_option("-o,--output", options->out,
+                       "folder for localization.json, queries.csv, evidence.csv, localization.svg and report.html");
+    options->features.add(command, options->params);
+    options->localize.add(command, options->params);
+  };
   CLI::App* command =
       add_command(bench, session, "localization", "Find single scans of a log in the map of its other scans.",
-                  "flirt bench localization fr079.log.gz --protocol revisit --every 3 -o results");
-  command->add_option("LOG", options->log, "log with corrected poses (they are the truth)")->required();
-  command->add_option("--poses", options->poses, poses_flag_help);
-  command
-      ->add_option("--protocol", options->protocol,
-                   "paper: only the query leaves the map; revisit: 10 m of travel around it (default paper)")
-      ->check(CLI::IsMember({"paper", "revisit"}));
-  command->add_option("--every", options->bench.every, "query every K-th scan (default 1)")
-      ->check(CLI::Range(1, 1000000));
-  command
-      ->add_option("--join", options->bench.join,
-                   "revisit: ask for each scan together with those before it, N in all, by odometry (default 1)")
-      ->check(CLI::Range(1, 1000));
-  command->add_option("--distractors", options->distractors,
-                      "with revisit: log of another building, of which every K-th scan is asked, too; may be repeated");
-  command->add_flag("--ablation", options->ablation,
-                    "with revisit: run again without each ingredient, with a paired test against all of them");
-  command->add_option("--variants", options->variants, "with --ablation: only these, separated by commas")
-      ->delimiter(',')
-      ->needs("--ablation");
-  command->add_option("-o,--output", options->out,
-                      "folder for localization.json, queries.csv, evidence.csv, localization.svg and report.html");
-  options->features.add(*command, options->params);
-  options->localize.add(*command, options->params);
+                  "flirt bench localization fr079.log.gz --protocol revisit --every 3 -o results", add_options);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

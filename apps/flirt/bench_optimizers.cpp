@@ -103,12 +103,14 @@ int run(const BenchOptimizersOptions& options, const Session& session) {
 
 void add_bench_optimizers(CLI::App& bench, Session& session) {
   auto options = std::make_shared<BenchOptimizersOptions>();
-  CLI::App* command = add_command(bench, session, "optimizers",
-                                  "Pose-graph back-ends on a file's own graph, from its chained motion edges.",
-                                  "flirt bench optimizers flirtlib-fr079.log.gz flirtlib-intel-lab.log.gz");
-  command->add_option("LOG", options->logs, "logs or graphs with VERTEX2 and EDGE2 lines; their poses are the truth")
-      ->required();
-  options->params.add(*command, "optimize", options->optimize, {"backend"});
+  const auto add_options = [options](CLI::App& command) {
+    command.add_option("LOG", options->logs, "logs or graphs with VERTEX2 and EDGE2 lines; their poses are the truth")
+        ->required();
+    options->params.add(command, "optimize", options->optimize, {"backend"});
+  };
+  CLI::App* command = add_command(
+      bench, session, "optimizers", "Pose-graph back-ends on a file's own graph, from its chained motion edges.",
+      "flirt bench optimizers flirtlib-fr079.log.gz flirtlib-intel-lab.log.gz", add_options);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

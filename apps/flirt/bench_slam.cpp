@@ -221,29 +221,33 @@ int run(BenchSlamOptions& options, const Session& session) {
 void add_bench_slam(CLI::App& bench, Session& session) {
   auto options = std::make_shared<BenchSlamOptions>();
   options->methods = slam_methods();
+  const auto add_options = [options](CLI::App& command) {
+    command.add_option("--log", options->logs,
+                       "NAME=FILE[,truth=FILE][,relations=FILE][,odometry=own|synthetic|none][,bound=M]; repeatable");
+    command.add_option("-o,--output", options->out, "folder for the results")->required();
+    command
+        .add_option("--methods", options->methods,
+                    "front ends and rbpf, the first one also for --starts (default: all)")
+        ->delimiter(',')
+        ->check(CLI::IsMember(slam_methods()));
+    command.add_option("--every", options->every, "use every K-th scan (default 1)")->check(CLI::Range(1, 1000000));
+    command.add_option("--starts", options->starts, "runs without odometry from as many jittered first poses")
+        ->check(CLI::Range(0, 100000));
+    command.add_flag("--dynamic", options->dynamic, "incremental mapping of a simulated station among people");
+    command.add_option("--places", options->places, "of --dynamic: tunnel, station (default: both)")
+        ->delimiter(',')
+        ->check(CLI::IsMember(dynamic_places()));
+    command.add_option("--window", options->window, "scans of the sliding window of --dynamic (default 20)")
+        ->check(CLI::Range(1U, 1000000U));
+    command.add_option("--long", options->long_scans, "scans of a simulated run: latency and memory")
+        ->check(CLI::Range(0, 10000000));
+    options->flags.add(command, "slam", options->params.slam);
+    options->flags.add(command, "rbpf", options->params.rbpf);
+  };
   CLI::App* command = add_command(
       bench, session, "slam", "Every way to map beside every other: errors, sharpness, closures, time, memory.",
-      "flirt bench slam --log intel=intel-910-merged.log.gz,relations=intel.relations --dynamic -o slam-bench");
-  command->add_option("--log", options->logs,
-                      "NAME=FILE[,truth=FILE][,relations=FILE][,odometry=own|synthetic|none][,bound=M]; repeatable");
-  command->add_option("-o,--output", options->out, "folder for the results")->required();
-  command
-      ->add_option("--methods", options->methods, "front ends and rbpf, the first one also for --starts (default: all)")
-      ->delimiter(',')
-      ->check(CLI::IsMember(slam_methods()));
-  command->add_option("--every", options->every, "use every K-th scan (default 1)")->check(CLI::Range(1, 1000000));
-  command->add_option("--starts", options->starts, "runs without odometry from as many jittered first poses")
-      ->check(CLI::Range(0, 100000));
-  command->add_flag("--dynamic", options->dynamic, "incremental mapping of a simulated station among people");
-  command->add_option("--places", options->places, "of --dynamic: tunnel, station (default: both)")
-      ->delimiter(',')
-      ->check(CLI::IsMember(dynamic_places()));
-  command->add_option("--window", options->window, "scans of the sliding window of --dynamic (default 20)")
-      ->check(CLI::Range(1U, 1000000U));
-  command->add_option("--long", options->long_scans, "scans of a simulated run: latency and memory")
-      ->check(CLI::Range(0, 10000000));
-  options->flags.add(*command, "slam", options->params.slam);
-  options->flags.add(*command, "rbpf", options->params.rbpf);
+      "flirt bench slam --log intel=intel-910-merged.log.gz,relations=intel.relations --dynamic -o slam-bench",
+      add_options);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

@@ -111,24 +111,27 @@ int run(const BenchSpeedOptions& options, const Session& session) {
 
 void add_bench_speed(CLI::App& bench, Session& session) {
   auto options = std::make_shared<BenchSpeedOptions>();
-  CLI::App* command = add_command(bench, session, "speed", "How long things take, and how that grows.",
-                                  "flirt bench speed --sections stages,map-size --sizes 1000,10000 -o results");
-  std::vector<std::string> names{"all"};
-  for (const Experiment& experiment : experiments) { names.emplace_back(experiment.name); }
-  command->add_option("--sections,--section", options->sections, "experiments to run (default all)")
-      ->delimiter(',')
-      ->check(CLI::IsMember(names));
-  command->add_option("--log", options->speed.log, "log with poses for stages and map-size (default: simulated)");
-  command->add_option("--sizes", options->speed.sizes, "map scans of map-size (default 1000,10000,100000)")
-      ->delimiter(',')
-      ->check(CLI::Range(2, 1000000));
-  command->add_option("--areas", options->speed.areas, "m², floors of the buildings that are mapped")
-      ->delimiter(',')
-      ->check(CLI::Range(200.0, 1e6));
-  command->add_option("--queries", options->speed.queries, "scans localized in each map (default 100)")
-      ->check(CLI::Range(1, 100000));
-  command->add_option("-o,--output", options->out,
-                      "folder for speed.json, report.html, and a CSV and an SVG file for each section");
+  const auto add_options = [options](CLI::App& command) {
+    std::vector<std::string> names{"all"};
+    for (const Experiment& experiment : experiments) { names.emplace_back(experiment.name); }
+    command.add_option("--sections,--section", options->sections, "experiments to run (default all)")
+        ->delimiter(',')
+        ->check(CLI::IsMember(names));
+    command.add_option("--log", options->speed.log, "log with poses for stages and map-size (default: simulated)");
+    command.add_option("--sizes", options->speed.sizes, "map scans of map-size (default 1000,10000,100000)")
+        ->delimiter(',')
+        ->check(CLI::Range(2, 1000000));
+    command.add_option("--areas", options->speed.areas, "m², floors of the buildings that are mapped")
+        ->delimiter(',')
+        ->check(CLI::Range(200.0, 1e6));
+    command.add_option("--queries", options->speed.queries, "scans localized in each map (default 100)")
+        ->check(CLI::Range(1, 100000));
+    command.add_option("-o,--output", options->out,
+                       "folder for speed.json, report.html, and a CSV and an SVG file for each section");
+  };
+  CLI::App* command =
+      add_command(bench, session, "speed", "How long things take, and how that grows.",
+                  "flirt bench speed --sections stages,map-size --sizes 1000,10000 -o results", add_options);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

@@ -211,26 +211,29 @@ int run(BenchTrackingOptions& options, const Session& session) {
 
 void add_bench_tracking(CLI::App& bench, Session& session) {
   auto options = std::make_shared<BenchTrackingOptions>();
+  const auto add_options = [options](CLI::App& command) {
+    command
+        .add_option("LOG", options->log, "log with corrected poses, of the map and, without --drives-log, the drives")
+        ->required();
+    command.add_option("--drives-log", options->drives_log, "log with poses in the map's frame: its drives instead");
+    command.add_option("--foreign", options->foreign, "logs of other buildings, each with poses: nothing may be found");
+    command.add_option("--drives", options->bench.drives, "drives of each kind, at most (default 40)")
+        ->check(CLI::Range(1, 1000000));
+    command.add_option("--length", options->bench.length, "m of each drive (default 20)")->check(CLI::Range(0.1, 1e6));
+    command.add_option("--only", options->only, "hypotheses or uniform: the other way to start is left out")
+        ->check(CLI::IsMember({"hypotheses", "uniform"}));
+    command
+        .add_option("--kinds", options->kinds, "drives to track, of known, unmapped, kidnapped, foreign (default all)")
+        ->check(CLI::IsMember({"known", "unmapped", "kidnapped", "foreign"}));
+    command.add_option("-o,--output", options->out, "folder for tracking.json, drives.csv and steps.csv");
+    options->features.add(command, options->params);
+    options->localize.add(command, options->params);
+    options->params.add(command, "track", options->bench.tracker);
+    options->params.add(command, "uniform", options->bench.tracker.uniform);
+  };
   CLI::App* command = add_command(bench, session, "tracking",
                                   "Drives from unknown starts: scans until localized, and wrong convergences.",
-                                  "flirt bench tracking aces.log.gz --foreign fr101.log.gz -o results");
-  command->add_option("LOG", options->log, "log with corrected poses, of the map and, without --drives-log, the drives")
-      ->required();
-  command->add_option("--drives-log", options->drives_log, "log with poses in the map's frame: its drives instead");
-  command->add_option("--foreign", options->foreign, "logs of other buildings, each with poses: nothing may be found");
-  command->add_option("--drives", options->bench.drives, "drives of each kind, at most (default 40)")
-      ->check(CLI::Range(1, 1000000));
-  command->add_option("--length", options->bench.length, "m of each drive (default 20)")->check(CLI::Range(0.1, 1e6));
-  command->add_option("--only", options->only, "hypotheses or uniform: the other way to start is left out")
-      ->check(CLI::IsMember({"hypotheses", "uniform"}));
-  command
-      ->add_option("--kinds", options->kinds, "drives to track, of known, unmapped, kidnapped, foreign (default all)")
-      ->check(CLI::IsMember({"known", "unmapped", "kidnapped", "foreign"}));
-  command->add_option("-o,--output", options->out, "folder for tracking.json, drives.csv and steps.csv");
-  options->features.add(*command, options->params);
-  options->localize.add(*command, options->params);
-  options->params.add(*command, "track", options->bench.tracker);
-  options->params.add(*command, "uniform", options->bench.tracker.uniform);
+                                  "flirt bench tracking aces.log.gz --foreign fr101.log.gz -o results", add_options);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

@@ -16,22 +16,11 @@
 #include <memory>
 
 namespace flirt::app {
+namespace {
 
-CLI::App* add_command(CLI::App& program, Session& session, const std::string& name, const std::string& description,
-                      const std::string& example) {
-  CLI::App* command = program.add_subcommand(name, description);
-  command->add_option("--json", session.json, "write the machine-readable result to this file, - for stdout");
-  command->add_option("--config", session.config, "TOML file with parameters; flags win over it");
-  command->add_option("--threads", session.threads, "threads, 0 for one per processor (default 0)")
-      ->check(CLI::Range(0, 1024));
-  command->add_option("--seed", session.seed, "seed of everything random (default 0)")
-      ->each([&session](const std::string& /*text*/) { session.is_seed_given = true; });
-  command->add_flag("--quiet", session.quiet, "print nothing but errors");
-  command->footer("Example: " + example);
-  return command;
-}
-
-void check_numbers(CLI::App& program) {
+/// Lets options that take numbers take nothing else: CLI11 reads -1 as 2^64 − 1, as all that is larger, and
+/// nan as within every range.
+void check_numbers(CLI::App& command) {
   const auto unsigned_number = [](const std::string& text) -> std::string {
     if (text.starts_with('-')) { return "expected a number of 0 or more, found " + text; }
     errno = 0;
@@ -41,11 +30,30 @@ void check_numbers(CLI::App& program) {
   const auto finite = [](const std::string& text) {
     return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "expected a finite number, found " + text;
   };
-  for (CLI::Option* option : program.get_options()) {
+  for (CLI::Option* option : command.get_options()) {
     if (option->get_type_name().starts_with("UINT")) { option->check(CLI::Validator(unsigned_number, "")); }
     if (option->get_type_name().starts_with("FLOAT")) { option->check(CLI::Validator(finite, "")); }
   }
-  for (CLI::App* command : program.get_subcommands({})) { check_numbers(*command); }
+}
+
+}  // namespace
+
+CLI::App* add_command(CLI::App& program, Session& session, const std::string& name, const std::string& description,
+                      const std::string& example, std::function<void(CLI::App&)> add_options) {
+  CLI::App* command = program.add_subcommand(name, description);
+  command->footer("Example: " + example);
+  command->preparse_callback([command, &session, add_options = std::move(add_options)](std::size_t /*arguments*/) {
+    command->add_option("--json", session.json, "write the machine-readable result to this file, - for stdout");
+    command->add_option("--config", session.config, "TOML file with parameters; flags win over it");
+    command->add_option("--threads", session.threads, "threads, 0 for one per processor (default 0)")
+        ->check(CLI::Range(0, 1024));
+    command->add_option("--seed", session.seed, "seed of everything random (default 0)")
+        ->each([&session](const std::string& /*text*/) { session.is_seed_given = true; });
+    command->add_flag("--quiet", session.quiet, "print nothing but errors");
+    add_options(*command);
+    check_numbers(*command);
+  });
+  return command;
 }
 
 std::string expect_at_least_0(const std::string& text) {

@@ -4,9 +4,11 @@
 //
 //   void add_info(CLI::App& program, Session& session) {
 //     auto options = std::make_shared<InfoOptions>();
-//     CLI::App* command = add_command(program, session, "info", "What a log holds.", "flirt info run.log.gz");
-//     command->add_option("LOG", options->log, "log file")->required();
-//     options->params.add(*command, "ransac", options->ransac);     // --ransac-inlier-distance and so on
+//     const auto add_options = [options](CLI::App& command) {
+//       command.add_option("LOG", options->log, "log file")->required();
+//       options->params.add(command, "ransac", options->ransac);     // --ransac-inlier-distance and so on
+//     };
+//     CLI::App* command = add_command(program, session, "info", "What a log holds.", "flirt info a.log", add_options);
 //     session.on(command, [&session, options] { options->params.resolve(session); ...; return exit_done; });
 //   }
 //
@@ -66,16 +68,13 @@ struct Session {
   [[nodiscard]] bool talks() const { return !quiet && !json_on_stdout(); }
 };
 
-/// A subcommand with the common options; `example` closes its help.
+/// A subcommand with the common options and those of `add_options`, made only when the command line names it: making
+/// all takes long. `example` closes its help.
 CLI::App* add_command(CLI::App& program, Session& session, const std::string& name, const std::string& description,
-                      const std::string& example);
+                      const std::string& example, std::function<void(CLI::App&)> add_options);
 
 /// As all results are written: an end of line after it, and bytes that are no UTF-8 (in names of files) replaced.
 std::string json_text(const nlohmann::ordered_json& json, int indent = 2);
-/// Lets options that take numbers take nothing else: CLI11 reads -1 as 2^64 − 1, as all that is larger, and
-/// nan as within every range. Call
-/// when all commands are added.
-void check_numbers(CLI::App& program);
 
 /// Checks for numbers of at least 0, and above it: CLI11's own name the end of the range in 309 digits.
 std::string expect_at_least_0(const std::string& text);

@@ -225,18 +225,21 @@ int run(const ConvertOptions& options, const Session& session) {
 
 void add_convert(CLI::App& program, Session& session) {
   auto options = std::make_shared<ConvertOptions>();
+  const auto add_options = [options](CLI::App& command) {
+    command
+        .add_option("IN", options->in,
+                    "file to read, plain or gzip, or folder of a ROS 2 recording; the format is told from the content")
+        ->required();
+    command.add_option("OUT", options->out, "file to write: .log, .clf, .carmen; .tum; .g2o; .graph, .toro")
+        ->required();
+    command.add_option("--to", options->to, "format to write, whatever the name: carmen, tum, g2o, toro")
+        ->check(CLI::IsMember({"carmen", "tum", "g2o", "toro"}));
+    options->reading.add_to(command);
+  };
   CLI::App* command =
       add_command(program, session, "convert",
                   "From recordings of ROS, and between CARMEN logs, TUM trajectories and pose graphs (g2o, TORO).",
-                  "flirt convert flirtlib-fr079.log.gz fr079.g2o");
-  command
-      ->add_option("IN", options->in,
-                   "file to read, plain or gzip, or folder of a ROS 2 recording; the format is told from the content")
-      ->required();
-  command->add_option("OUT", options->out, "file to write: .log, .clf, .carmen; .tum; .g2o; .graph, .toro")->required();
-  command->add_option("--to", options->to, "format to write, whatever the name: carmen, tum, g2o, toro")
-      ->check(CLI::IsMember({"carmen", "tum", "g2o", "toro"}));
-  options->reading.add_to(*command);
+                  "flirt convert flirtlib-fr079.log.gz fr079.g2o", add_options);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

@@ -213,16 +213,19 @@ int run(const Session& session, const DetectOptions& options) {
 
 void add_detect(CLI::App& program, Session& session) {
   auto options = std::make_shared<DetectOptions>();
-  CLI::App* command = add_command(program, session, "detect", "Keypoints and descriptors of the scans of a log.",
-                                  "flirt detect run.log.gz --scan 120 --svg scan120.svg --json scan120.jsonl");
-  command->add_option("LOG", options->log, "log file")->required();
-  command->add_option("--scan", options->scan, "index of one scan in the log (default: all)");
-  CLI::Option* svg = command->add_option("--svg", options->svg, "figure of that scan, or of the first");
-  command
-      ->add_option("--keypoint", options->keypoint,
-                   "index of the keypoint whose descriptor is drawn (default: the one with most returns around)")
-      ->needs(svg);
-  options->features.add(*command, options->params);
+  const auto add_options = [options](CLI::App& command) {
+    command.add_option("LOG", options->log, "log file")->required();
+    command.add_option("--scan", options->scan, "index of one scan in the log (default: all)");
+    CLI::Option* svg = command.add_option("--svg", options->svg, "figure of that scan, or of the first");
+    command
+        .add_option("--keypoint", options->keypoint,
+                    "index of the keypoint whose descriptor is drawn (default: the one with most returns around)")
+        ->needs(svg);
+    options->features.add(command, options->params);
+  };
+  CLI::App* command =
+      add_command(program, session, "detect", "Keypoints and descriptors of the scans of a log.",
+                  "flirt detect run.log.gz --scan 120 --svg scan120.svg --json scan120.jsonl", add_options);
   session.on(command, [&session, options] { return run(session, *options); });
 }
 

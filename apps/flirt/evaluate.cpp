@@ -145,20 +145,22 @@ int run(EvaluateOptions& options, const Session& session) {
 
 void add_evaluate(CLI::App& program, Session& session) {
   auto options = std::make_shared<EvaluateOptions>();
-  CLI::App* command = add_command(program, session, "evaluate",
-                                  "How good a trajectory is: against true poses, relations, or its own scans.",
-                                  "flirt evaluate trajectory.tum --truth corrected.log.gz --scans run.log.gz");
-  command->add_option("EST", options->estimate, "trajectory: TUM file, or log with poses")->required();
-  command->add_option("--truth", options->truth, "true poses, TUM file or log: ATE, RPE, derived relations");
-  command->add_option("--relations", options->relations, "file of relations: stamp1 stamp2 x y z roll pitch yaw");
-  command->add_option("--scans", options->scans, "log with the scans: how well they fit each other at these poses");
-  command
-      ->add_option("--stamp-tolerance", options->stamp_tolerance,
-                   "s; stamps that differ by no more are the same moment (default 0.0005)")
-      ->check(expect_at_least_0);
-  command->add_option("--rpe-path", options->rpe_path, "m of the way that the relative error is over (default 1)")
-      ->check(expect_above_0);
-  options->params.add(*command, "quality", options->quality);
+  const auto add_options = [options](CLI::App& command) {
+    command.add_option("EST", options->estimate, "trajectory: TUM file, or log with poses")->required();
+    command.add_option("--truth", options->truth, "true poses, TUM file or log: ATE, RPE, derived relations");
+    command.add_option("--relations", options->relations, "file of relations: stamp1 stamp2 x y z roll pitch yaw");
+    command.add_option("--scans", options->scans, "log with the scans: how well they fit each other at these poses");
+    command
+        .add_option("--stamp-tolerance", options->stamp_tolerance,
+                    "s; stamps that differ by no more are the same moment (default 0.0005)")
+        ->check(expect_at_least_0);
+    command.add_option("--rpe-path", options->rpe_path, "m of the way that the relative error is over (default 1)")
+        ->check(expect_above_0);
+    options->params.add(command, "quality", options->quality);
+  };
+  CLI::App* command = add_command(
+      program, session, "evaluate", "How good a trajectory is: against true poses, relations, or its own scans.",
+      "flirt evaluate trajectory.tum --truth corrected.log.gz --scans run.log.gz", add_options);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

@@ -176,11 +176,13 @@ int run(const Session& session, const InfoOptions& options) {
 
 void add_info(CLI::App& program, Session& session) {
   auto options = std::make_shared<InfoOptions>();
+  const auto add_options = [options](CLI::App& command) {
+    command.add_option("LOG", options->log, "log: CARMEN, plain or gzip, or a recording of ROS")->required();
+    options->reading.add_to(command);
+  };
   CLI::App* command =
       add_command(program, session, "info", "What a log holds: scans, angles, ranges, stamps, poses, oddities.",
-                  "flirt info run.log.gz --json info.json");
-  command->add_option("LOG", options->log, "log: CARMEN, plain or gzip, or a recording of ROS")->required();
-  options->reading.add_to(*command);
+                  "flirt info run.log.gz --json info.json", add_options);
   session.on(command, [&session, options] { return run(session, *options); });
 }
 

@@ -230,33 +230,36 @@ int run(LocalizeOptions& options, const Session& session) {
 
 void add_localize(CLI::App& program, Session& session) {
   auto options = std::make_shared<LocalizeOptions>();
+  const auto add_options = [options](CLI::App& command) {
+    command.add_option("MAP", options->map, "map file made by flirt map")->required();
+    command.add_option("LOG", options->log, "log with the scans to find; its poses are not looked at")->required();
+    CLI::Option* scan = command.add_option("--scan", options->scan, "localize this scan alone, 0 for the first");
+    command.add_option("--every", options->every, "localize every K-th scan (default 1)")
+        ->check(CLI::Range(1, 1000000))
+        ->excludes(scan);
+    command.add_option("--hypotheses", options->hypotheses, "best places of a scan in the JSON, at most (default 10)");
+    command
+        .add_option("--join", options->join,
+                    "search for each scan together with those before it, N in all, by the log's odometry (default 1)")
+        ->check(CLI::Range(1, 1000));
+    command.add_option("--svg", options->svg, "picture of one scan's answer, with --scan");
+    command.add_option("-o,--output", options->out, "folder for report.html: success, times, and pictures");
+    command.add_flag("--summary", options->summary_only, "print the summary alone, not a line for each scan");
+    command.add_flag("--samples", options->samples,
+                     "with --method papers, add every match to the JSON: weighted samples of p(pose | scan, map)");
+    CLI::Option* track =
+        command
+            .add_flag("--track", options->track, "follow the robot through all scans in order, by the log's odometry")
+            ->excludes(scan);
+    for (const char* other : {"--every", "--svg", "--output", "--samples", "--join"}) {
+      track->excludes(command.get_option(other));
+    }
+    options->flags.add(command, options->params);
+    options->params.add(command, "track", options->tracker);
+    options->params.add(command, "uniform", options->tracker.uniform);
+  };
   CLI::App* command = add_command(program, session, "localize", "Find the poses of single scans in a map.",
-                                  "flirt localize fr079.flirt run.log.gz --scan 12 --svg where.svg");
-  command->add_option("MAP", options->map, "map file made by flirt map")->required();
-  command->add_option("LOG", options->log, "log with the scans to find; its poses are not looked at")->required();
-  CLI::Option* scan = command->add_option("--scan", options->scan, "localize this scan alone, 0 for the first");
-  command->add_option("--every", options->every, "localize every K-th scan (default 1)")
-      ->check(CLI::Range(1, 1000000))
-      ->excludes(scan);
-  command->add_option("--hypotheses", options->hypotheses, "best places of a scan in the JSON, at most (default 10)");
-  command
-      ->add_option("--join", options->join,
-                   "search for each scan together with those before it, N in all, by the log's odometry (default 1)")
-      ->check(CLI::Range(1, 1000));
-  command->add_option("--svg", options->svg, "picture of one scan's answer, with --scan");
-  command->add_option("-o,--output", options->out, "folder for report.html: success, times, and pictures");
-  command->add_flag("--summary", options->summary_only, "print the summary alone, not a line for each scan");
-  command->add_flag("--samples", options->samples,
-                    "with --method papers, add every match to the JSON: weighted samples of p(pose | scan, map)");
-  CLI::Option* track =
-      command->add_flag("--track", options->track, "follow the robot through all scans in order, by the log's odometry")
-          ->excludes(scan);
-  for (const char* other : {"--every", "--svg", "--output", "--samples", "--join"}) {
-    track->excludes(command->get_option(other));
-  }
-  options->flags.add(*command, options->params);
-  options->params.add(*command, "track", options->tracker);
-  options->params.add(*command, "uniform", options->tracker.uniform);
+                                  "flirt localize fr079.flirt run.log.gz --scan 12 --svg where.svg", add_options);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

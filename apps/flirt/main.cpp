@@ -35,7 +35,6 @@ int main(int argc, char** argv) {
     add_evaluate(program, session);
     add_convert(program, session);
     add_bench(program, session);
-    check_numbers(program);
     program.parse(argc, argv);
     return after_printing(session.run());
   } catch (const CLI::ParseError& error) {

@@ -121,17 +121,20 @@ int run(MapOptions& options, const Session& session) {
 
 void add_map(CLI::App& program, Session& session) {
   auto options = std::make_shared<MapOptions>();
+  const auto add_options = [options](CLI::App& command) {
+    command.add_option("LOG", options->log, "log with corrected poses, or the .yaml file of a ROS grid map")
+        ->required();
+    command.add_option("-o,--output", options->out, "map file to write")->required();
+    command.add_option("--poses", options->poses, poses_flag_help);
+    command.add_option("--every", options->every, "keep every K-th scan (default 1)")->check(CLI::Range(1, 1000000));
+    command.add_flag("--variances", options->variances,
+                     "keep the variances of descriptors, for the distance variance-chi-square");
+    options->features.add(command, options->params);
+    options->params.add(command, "grid", options->grid);
+  };
   CLI::App* command =
       add_command(program, session, "map", "Make a place map from a log with poses, or from a ROS grid map.",
-                  "flirt map fr079.log.gz -o fr079.flirt (or: flirt map office.yaml -o office.flirt)");
-  command->add_option("LOG", options->log, "log with corrected poses, or the .yaml file of a ROS grid map")->required();
-  command->add_option("-o,--output", options->out, "map file to write")->required();
-  command->add_option("--poses", options->poses, poses_flag_help);
-  command->add_option("--every", options->every, "keep every K-th scan (default 1)")->check(CLI::Range(1, 1000000));
-  command->add_flag("--variances", options->variances,
-                    "keep the variances of descriptors, for the distance variance-chi-square");
-  options->features.add(*command, options->params);
-  options->params.add(*command, "grid", options->grid);
+                  "flirt map fr079.log.gz -o fr079.flirt (or: flirt map office.yaml -o office.flirt)", add_options);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 

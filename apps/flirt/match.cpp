@@ -288,17 +288,19 @@ svg::Figure figure_of(const MatchOptions& options, const Outcome& outcome) {
 
 void add_match(CLI::App& program, Session& session) {
   auto options = std::make_shared<MatchOptions>();
+  const auto add_options = [options](CLI::App& command) {
+    command.add_option("LOG", options->log, "log file")->required();
+    command.add_option("--scan", options->scan, "query: index of the scan in the log")->required();
+    command.add_option("--against", options->against, "reference: index of the scan")->required();
+    command.add_option("--other", options->other, "log of the reference (default: the same log)");
+    command.add_option("--svg", options->svg, "figure of the two scans and their correspondences");
+    options->features.add(command, options->params);
+    options->params.add(command, "match", options->match);
+    options->params.add(command, "ransac", options->ransac);
+    options->params.add(command, "verify", options->verify);
+  };
   CLI::App* command = add_command(program, session, "match", "The rigid motion between two scans.",
-                                  "flirt match run.log.gz --scan 120 --against 700 --svg match.svg");
-  command->add_option("LOG", options->log, "log file")->required();
-  command->add_option("--scan", options->scan, "query: index of the scan in the log")->required();
-  command->add_option("--against", options->against, "reference: index of the scan")->required();
-  command->add_option("--other", options->other, "log of the reference (default: the same log)");
-  command->add_option("--svg", options->svg, "figure of the two scans and their correspondences");
-  options->features.add(*command, options->params);
-  options->params.add(*command, "match", options->match);
-  options->params.add(*command, "ransac", options->ransac);
-  options->params.add(*command, "verify", options->verify);
+                                  "flirt match run.log.gz --scan 120 --against 700 --svg match.svg", add_options);
   session.on(command, [&session, options] {
     options->params.resolve(session, {"ransac"});
     const Outcome outcome = find_alignment(*options, session);

@@ -224,35 +224,38 @@ int run(const Session& session, SimulateOptions& options) {
 
 void add_simulate(CLI::App& program, Session& session) {
   auto options = std::make_shared<SimulateOptions>();
-  CLI::App* command = add_command(program, session, "simulate", "A log with exact truth from a floor plan.",
-                                  "flirt simulate -o office.log --office-area 5000 --people 20 --svg office.svg");
-  command->add_option("-o,--output", options->out, "CARMEN log to write")->required();
-  command->add_option("--truth", options->truth, "file for the true poses, TUM format (default: LOG.truth.tum)");
-  command
-      ->add_option(
-          "--plan", options->plan,
-          "office, corridors, tunnel or station (made up), or FILE.txt of segments x1,y1,x2,y2, or a grid map's "
-          "FILE.yaml, or an image")
-      ->capture_default_str();
-  command->add_option("--resolution", options->resolution, "m per pixel of an image without YAML")
-      ->check(CLI::Range(1e-6, 1000.0));
-  CLI::Option* people =
-      command->add_option("--people", options->people, "the same as --people-count")->check(CLI::Range(0U, 100000U));
-  CLI::Option* rounds =
-      command->add_option("--rounds", options->rounds, "the same as --drive-rounds")->check(CLI::Range(1U, 1000U));
-  CLI::Option* svg = command->add_option("--svg", options->svg, "picture of the plan and the way");
-  command->add_option("--svg-scan", options->svg_scan, "draw this scan, and the plan around it")->needs(svg);
-  options->params.add(*command, "office", options->office);
-  options->params.add(*command, "corridors", options->corridors);
-  options->params.add(*command, "tunnel", options->tunnel);
-  options->params.add(*command, "station", options->station);
-  options->params.add(*command, "lidar", options->simulate.lidar);
-  options->params.add(*command, "drive", options->simulate.drive);
-  options->params.add(*command, "odometry", options->simulate.odometry);
-  options->params.add(*command, "people", options->simulate.people);
-  options->params.add(*command, "log", options->output);
-  people->excludes(command->get_option("--people-count"));
-  rounds->excludes(command->get_option("--drive-rounds"));
+  const auto add_options = [options](CLI::App& command) {
+    command.add_option("-o,--output", options->out, "CARMEN log to write")->required();
+    command.add_option("--truth", options->truth, "file for the true poses, TUM format (default: LOG.truth.tum)");
+    command
+        .add_option(
+            "--plan", options->plan,
+            "office, corridors, tunnel or station (made up), or FILE.txt of segments x1,y1,x2,y2, or a grid map's "
+            "FILE.yaml, or an image")
+        ->capture_default_str();
+    command.add_option("--resolution", options->resolution, "m per pixel of an image without YAML")
+        ->check(CLI::Range(1e-6, 1000.0));
+    CLI::Option* people =
+        command.add_option("--people", options->people, "the same as --people-count")->check(CLI::Range(0U, 100000U));
+    CLI::Option* rounds =
+        command.add_option("--rounds", options->rounds, "the same as --drive-rounds")->check(CLI::Range(1U, 1000U));
+    CLI::Option* svg = command.add_option("--svg", options->svg, "picture of the plan and the way");
+    command.add_option("--svg-scan", options->svg_scan, "draw this scan, and the plan around it")->needs(svg);
+    options->params.add(command, "office", options->office);
+    options->params.add(command, "corridors", options->corridors);
+    options->params.add(command, "tunnel", options->tunnel);
+    options->params.add(command, "station", options->station);
+    options->params.add(command, "lidar", options->simulate.lidar);
+    options->params.add(command, "drive", options->simulate.drive);
+    options->params.add(command, "odometry", options->simulate.odometry);
+    options->params.add(command, "people", options->simulate.people);
+    options->params.add(command, "log", options->output);
+    people->excludes(command.get_option("--people-count"));
+    rounds->excludes(command.get_option("--drive-rounds"));
+  };
+  CLI::App* command =
+      add_command(program, session, "simulate", "A log with exact truth from a floor plan.",
+                  "flirt simulate -o office.log --office-area 5000 --people 20 --svg office.svg", add_options);
   session.on(command, [&session, options] { return run(session, *options); });
 }
 

@@ -226,28 +226,30 @@ int run(SlamOptions& options, const Session& session) {
 
 void add_slam(CLI::App& program, Session& session) {
   auto options = std::make_shared<SlamOptions>();
+  const auto add_options = [options](CLI::App& command) {
+    command.add_option("LOG", options->log, "log of scans")->required();
+    command.add_option("-o,--output", options->out, "folder for the results")->required();
+    command.add_flag("--no-odometry", options->no_odometry, "do as if the log had no odometry");
+    command
+        .add_option("--window", options->window, "incremental mapping over the last N scans, no closures, no odometry")
+        ->check(CLI::Range(1, 1000000));
+    std::vector<std::string> front_ends;
+    for (const auto& [kind, name] : enum_names(FrontEndKind{})) { front_ends.emplace_back(name); }
+    command.add_option("--front-end", options->front_end, "how the motion between scans is found")
+        ->check(CLI::IsMember(front_ends));
+    command.add_option("--resume", options->resume,
+                       "folder of an earlier flirt slam: find this log in its map, and make one map of both");
+    command.add_option("--every", options->every, "use every K-th scan (default 1)")->check(CLI::Range(1, 1000000));
+    options->params.add(command, "slam", options->slam);
+    for (const std::string same : {"odometry", "window", "front-end"}) {
+      command.get_option((same == "odometry" ? "--no-" : "--") + same)->excludes(command.get_option("--slam-" + same));
+    }
+  };
   CLI::App* command = add_command(
       program, session, "slam",
       "Make a consistent map of any log, with odometry or without. Nothing is drawn at random: --seed changes "
       "nothing.",
-      "flirt slam run.log.gz -o run-map");
-  command->add_option("LOG", options->log, "log of scans")->required();
-  command->add_option("-o,--output", options->out, "folder for the results")->required();
-  command->add_flag("--no-odometry", options->no_odometry, "do as if the log had no odometry");
-  command
-      ->add_option("--window", options->window, "incremental mapping over the last N scans, no closures, no odometry")
-      ->check(CLI::Range(1, 1000000));
-  std::vector<std::string> front_ends;
-  for (const auto& [kind, name] : enum_names(FrontEndKind{})) { front_ends.emplace_back(name); }
-  command->add_option("--front-end", options->front_end, "how the motion between scans is found")
-      ->check(CLI::IsMember(front_ends));
-  command->add_option("--resume", options->resume,
-                      "folder of an earlier flirt slam: find this log in its map, and make one map of both");
-  command->add_option("--every", options->every, "use every K-th scan (default 1)")->check(CLI::Range(1, 1000000));
-  options->params.add(*command, "slam", options->slam);
-  for (const std::string same : {"odometry", "window", "front-end"}) {
-    command->get_option((same == "odometry" ? "--no-" : "--") + same)->excludes(command->get_option("--slam-" + same));
-  }
+      "flirt slam run.log.gz -o run-map", add_options);
   session.on(command, [&session, options] { return run(*options, session); });
 }
 
