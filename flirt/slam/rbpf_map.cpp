@@ -14,7 +14,8 @@ constexpr std::int32_t tile_shift = 5;
 constexpr std::int32_t tile_mask = RbpfMap::tile_side - 1;
 static_assert(1 << tile_shift == RbpfMap::tile_side);
 
-std::size_t index_in_tile(std::int32_t x, std::int32_t y) {
+/// Of a cell in its tile, and of a tile in its block.
+std::size_t index_within(std::int32_t x, std::int32_t y) {
   return static_cast<std::size_t>((y & tile_mask) << tile_shift | (x & tile_mask));
 }
 
@@ -25,7 +26,7 @@ void mark(RbpfMap::Tile& tile, std::int32_t x, std::int32_t y, bool occupied) {
 }
 
 void count_pass(RbpfMap::Tile& tile, std::int32_t x, std::int32_t y) {
-  EvidenceCell& evidence = tile.cells[index_in_tile(x, y)].evidence;
+  EvidenceCell& evidence = tile.cells[index_within(x, y)].evidence;
   if (evidence.passes == std::numeric_limits<std::uint16_t>::max()) { return; }
   ++evidence.passes;
   if (evidence.hits != 0) { mark(tile, x, y, evidence.occupied()); }
@@ -33,7 +34,7 @@ void count_pass(RbpfMap::Tile& tile, std::int32_t x, std::int32_t y) {
 
 void count_hit(RbpfMap::Tile& tile, FixedPoint2 end) {
   const auto [x, y] = end.index();
-  RbpfCell& cell = tile.cells[index_in_tile(x, y)];
+  RbpfCell& cell = tile.cells[index_within(x, y)];
   if (cell.evidence.hits == std::numeric_limits<std::uint16_t>::max()) { return; }
   ++cell.evidence.hits;
   constexpr std::int64_t in_cell = FixedPoint2::cell - 1;
@@ -51,6 +52,20 @@ float squared_cells(const RbpfCell& cell, float off_x, float off_y, float in_cel
   return dx * dx + dy * dy;
 }
 
+/// What is pointed to, for writing: made when it is missing, copied when another map shares it.
+template <class T>
+T& own(std::shared_ptr<T>& shared) {
+  if (!shared) {
+    shared = std::make_shared<T>();
+  } else if (shared.use_count() != 1) {
+    shared = std::make_shared<T>(*shared);
+  } else {
+    // Whoever shared it before has read it for the last time before letting it go.
+    std::atomic_thread_fence(std::memory_order_acquire);
+  }
+  return *shared;
+}
+
 std::int32_t floor_of(double value) {
   const auto towards_zero = static_cast<std::int32_t>(value);
   return towards_zero - (value < towards_zero ? 1 : 0);
@@ -59,12 +74,15 @@ std::int32_t floor_of(double value) {
 }  // namespace
 
 const RbpfMap::Tile* RbpfMap::find(std::int32_t tile_x, std::int32_t tile_y) const {
-  const auto x = static_cast<std::uint32_t>(tile_x - table_.low.x);
-  const auto y = static_cast<std::uint32_t>(tile_y - table_.low.y);
+  const std::int32_t block_x = tile_x >> tile_shift;
+  const std::int32_t block_y = tile_y >> tile_shift;
+  const auto x = static_cast<std::uint32_t>(block_x - table_.low.x);
+  const auto y = static_cast<std::uint32_t>(block_y - table_.low.y);
   if (x >= static_cast<std::uint32_t>(table_.width) || y >= static_cast<std::uint32_t>(table_.height)) {
     return nullptr;
   }
-  return table_.tiles[slot(tile_x, tile_y)].get();
+  const Block* block = table_.blocks[slot(block_x, block_y)].get();
+  return block == nullptr ? nullptr : block->tiles[index_within(tile_x, tile_y)].get();
 }
 
 bool RbpfMap::is_occupied(std::int32_t x, std::int32_t y) const {
@@ -74,7 +92,7 @@ bool RbpfMap::is_occupied(std::int32_t x, std::int32_t y) const {
 
 RbpfCell RbpfMap::cell(CellIndex index) const {
   const Tile* tile = find(index.x >> tile_shift, index.y >> tile_shift);
-  return tile == nullptr ? RbpfCell{} : tile->cells[index_in_tile(index.x, index.y)];
+  return tile == nullptr ? RbpfCell{} : tile->cells[index_within(index.x, index.y)];
 }
 
 double RbpfMap::squared_distance(Point2 in_map) const {
@@ -103,7 +121,7 @@ double RbpfMap::squared_distance(Point2 in_map) const {
       const std::int32_t i = std::countr_zero(nine);
       const std::int32_t dy = i / 3 - 1;
       const std::int32_t dx = i % 3 - 1;
-      compare(tile->cells[index_in_tile(column + dx, row + dy)], dx, dy);
+      compare(tile->cells[index_within(column + dx, row + dy)], dx, dy);
     }
   } else {
     for (std::int32_t dy = -1; dy <= 1; ++dy) {
@@ -113,12 +131,12 @@ double RbpfMap::squared_distance(Point2 in_map) const {
     }
   }
   if (least < none) { return cell_size_ * cell_size_ * static_cast<double>(least); }
-  return tile->cells[index_in_tile(x, y)].evidence.seen() ? nothing_near : unseen;
+  return tile->cells[index_within(x, y)].evidence.seen() ? nothing_near : unseen;
 }
 
-/// Makes the table reach over [low, high] tiles, with room to grow.
+/// Makes the table reach over [low, high] blocks, with room to grow.
 void RbpfMap::include(CellIndex low, CellIndex high) {
-  constexpr std::int32_t room = 4;
+  constexpr std::int32_t room = 1;
   if (table_.width > 0 && low.x >= table_.low.x && low.y >= table_.low.y && high.x < table_.low.x + table_.width &&
       high.y < table_.low.y + table_.height) {
     return;
@@ -129,27 +147,18 @@ void RbpfMap::include(CellIndex low, CellIndex high) {
                (empty ? low.y : std::min(low.y, table_.low.y)) - room};
   grown.width = (empty ? high.x + 1 : std::max(high.x + 1, table_.low.x + table_.width)) + room - grown.low.x;
   grown.height = (empty ? high.y + 1 : std::max(high.y + 1, table_.low.y + table_.height)) + room - grown.low.y;
-  grown.tiles.resize(static_cast<std::size_t>(grown.width) * static_cast<std::size_t>(grown.height));
+  grown.blocks.resize(static_cast<std::size_t>(grown.width) * static_cast<std::size_t>(grown.height));
   std::swap(table_, grown);
   for (std::int32_t y = 0; y < grown.height; ++y) {
-    const auto row = grown.tiles.begin() + static_cast<std::ptrdiff_t>(y) * grown.width;
+    const auto row = grown.blocks.begin() + static_cast<std::ptrdiff_t>(y) * grown.width;
     const auto to = static_cast<std::ptrdiff_t>(slot(grown.low.x, grown.low.y + y));
-    std::move(row, row + grown.width, table_.tiles.begin() + to);
+    std::move(row, row + grown.width, table_.blocks.begin() + to);
   }
 }
 
-/// The tile for writing: made when it is missing, copied when another map shares it.
-RbpfMap::Tile& RbpfMap::own(std::int32_t tile_x, std::int32_t tile_y) {
-  std::shared_ptr<Tile>& tile = table_.tiles[slot(tile_x, tile_y)];
-  if (!tile) {
-    tile = std::make_shared<Tile>();
-  } else if (tile.use_count() != 1) {
-    tile = std::make_shared<Tile>(*tile);
-  } else {
-    // Whoever shared the tile before has read it for the last time before letting it go.
-    std::atomic_thread_fence(std::memory_order_acquire);
-  }
-  return *tile;
+RbpfMap::Tile& RbpfMap::own_tile(std::int32_t tile_x, std::int32_t tile_y) {
+  Block& block = own(table_.blocks[slot(tile_x >> tile_shift, tile_y >> tile_shift)]);
+  return own(block.tiles[index_within(tile_x, tile_y)]);
 }
 
 void RbpfMap::add(Point2 sensor_in_robot, std::span<const Point2> ends_in_robot, const Pose2& map_from_robot) {
@@ -173,7 +182,7 @@ void RbpfMap::add(Point2 sensor_in_robot, std::span<const Point2> ends_in_robot,
   }
   const CellIndex low_tile{low.x >> tile_shift, low.y >> tile_shift};
   const CellIndex high_tile{high.x >> tile_shift, high.y >> tile_shift};
-  include(low_tile, high_tile);
+  include({low_tile.x >> tile_shift, low_tile.y >> tile_shift}, {high_tile.x >> tile_shift, high_tile.y >> tile_shift});
   // Tiles that this map has made its own already, so that each is looked at once.
   const std::int32_t width = high_tile.x - low_tile.x + 1;
   std::vector<Tile*> owned(static_cast<std::size_t>(width * (high_tile.y - low_tile.y + 1)), nullptr);
@@ -181,7 +190,7 @@ void RbpfMap::add(Point2 sensor_in_robot, std::span<const Point2> ends_in_robot,
     const std::int32_t tile_x = x >> tile_shift;
     const std::int32_t tile_y = y >> tile_shift;
     Tile*& tile = owned[static_cast<std::size_t>((tile_y - low_tile.y) * width + tile_x - low_tile.x)];
-    if (tile == nullptr) { tile = &own(tile_x, tile_y); }
+    if (tile == nullptr) { tile = &own_tile(tile_x, tile_y); }
     return *tile;
   };
   for (const FixedPoint2& end : ends) {
@@ -193,8 +202,11 @@ void RbpfMap::add(Point2 sensor_in_robot, std::span<const Point2> ends_in_robot,
 
 std::vector<const RbpfMap::Tile*> RbpfMap::tiles() const {
   std::vector<const Tile*> found;
-  for (const std::shared_ptr<Tile>& tile : table_.tiles) {
-    if (tile) { found.push_back(tile.get()); }
+  for (const std::shared_ptr<Block>& block : table_.blocks) {
+    if (!block) { continue; }
+    for (const std::shared_ptr<Tile>& tile : block->tiles) {
+      if (tile) { found.push_back(tile.get()); }
+    }
   }
   return found;
 }

@@ -20,8 +20,9 @@ struct RbpfCell {
   float x{0}, y{0};  ///< mean place of those ends, cells from the lower corner
 };
 
-/// Hits and passes of a particle's scans in tiles of 32 × 32 cells, 12 kB each. A copy costs a pointer a tile; the
-/// first change to a shared tile copies it. Different maps may be used from different threads though they share tiles.
+/// Hits and passes of a particle's scans in tiles of 32 × 32 cells, 12 kB each, and those in blocks of 32 × 32 tiles. A
+/// copy costs a pointer a block; the first change to a shared block or tile copies it. Different maps may be used from
+/// different threads though they share tiles.
 class RbpfMap {
  public:
   static constexpr std::int32_t tile_side = 32;  ///< cells
@@ -48,20 +49,24 @@ class RbpfMap {
   [[nodiscard]] std::vector<const Tile*> tiles() const;
 
  private:
-  /// A table of tiles over a box, in tiles.
+  struct Block {
+    std::array<std::shared_ptr<Tile>, static_cast<std::size_t>(tile_side* tile_side)> tiles{};
+  };
+  /// The blocks of a box, in blocks: a particle that loses its way goes far, and must not pay for all that lies
+  /// between.
   struct Table {
     CellIndex low{};
     std::int32_t width{0};
     std::int32_t height{0};
-    std::vector<std::shared_ptr<Tile>> tiles{};
+    std::vector<std::shared_ptr<Block>> blocks{};
   };
   [[nodiscard]] const Tile* find(std::int32_t tile_x, std::int32_t tile_y) const;
   [[nodiscard]] bool is_occupied(std::int32_t x, std::int32_t y) const;
   void include(CellIndex low, CellIndex high);
-  Tile& own(std::int32_t tile_x, std::int32_t tile_y);
-  [[nodiscard]] std::size_t slot(std::int32_t tile_x, std::int32_t tile_y) const {
-    return static_cast<std::size_t>(tile_y - table_.low.y) * static_cast<std::size_t>(table_.width) +
-           static_cast<std::size_t>(tile_x - table_.low.x);
+  Tile& own_tile(std::int32_t tile_x, std::int32_t tile_y);
+  [[nodiscard]] std::size_t slot(std::int32_t block_x, std::int32_t block_y) const {
+    return static_cast<std::size_t>(block_y - table_.low.y) * static_cast<std::size_t>(table_.width) +
+           static_cast<std::size_t>(block_x - table_.low.x);
   }
 
   double cell_size_;

@@ -97,5 +97,16 @@ TEST(RbpfMap, CopiesShareTilesUntilOneChangesAndThenKeepTheirOwn) {
   EXPECT_EQ(shared, first.tiles().size() - 1);  // the beam stays in one tile
 }
 
+TEST(RbpfMap, WhatLiesBetweenFarPlacesCostsNothing) {
+  RbpfMap map(0.05);
+  const std::vector<Point2> ends{{1.01, 0.01}};
+  map.add({0, 0}, ends, {});
+  const RbpfMap near = map;
+  map.add({0, 0}, ends, {100000, -100000, 0});  // a table of all tiles between would take 60 GB
+  EXPECT_EQ(map.tiles().size(), near.tiles().size() + 1);
+  EXPECT_EQ(map.cell({20, 0}).evidence, near.cell({20, 0}).evidence);
+  EXPECT_EQ(map.cell({2000020, -2000000}).evidence.hits, 1);
+}
+
 }  // namespace
 }  // namespace flirt
