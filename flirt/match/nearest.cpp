@@ -52,7 +52,7 @@ HWY_INLINE void add_products(const typename Bound::Element* columns, const Descr
     for (std::size_t v = 0; v < Vectors; ++v) {
       hn::StoreU(sum[r][v], d, products + (v / parts * reference.count + first + r) * 16 + v % parts * lanes);
       const auto larger = hn::Gt(sum[r][v], largest.product[v]);
-      largest.product[v] = hn::IfThenElse(larger, sum[r][v], largest.product[v]);
+      largest.product[v] = hn::Max(sum[r][v], largest.product[v]);
       largest.row[v] = hn::IfThenElse(hn::RebindMask(indices, larger), hn::Set(indices, first + r), largest.row[v]);
     }
   }

@@ -135,7 +135,7 @@ HWY_INLINE void nearest_points_of(const Motion& motion, const ScoredPoints& quer
       for (std::size_t part = 0; part < parts; ++part) {
         const auto distance = squared_distance(moved[group], part, x, y);
         const auto smaller = hn::Lt(distance, smallest[group][part]);
-        smallest[group][part] = hn::IfThenElse(smaller, distance, smallest[group][part]);
+        smallest[group][part] = hn::Min(distance, smallest[group][part]);
         index[group][part] = hn::IfThenElse(hn::RebindMask(du, smaller), hn::Set(du, j), index[group][part]);
       }
     }
