@@ -146,6 +146,7 @@ SolutionSet SolutionSetFinder::find_among(const Features& features, std::span<co
 
   std::vector<Finds> parts(matchers_.size());
   constexpr std::size_t grain = 64;
+  for (Finds& finds : parts) { finds.hypotheses.reserve(map_scans.size() / parts.size() + grain); }
   parallel_for(
       map_scans.size(), matchers_.size(),
       [&](std::size_t i, std::size_t thread) {

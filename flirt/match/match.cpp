@@ -4,6 +4,7 @@
 #include "flirt/core/assert.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <tuple>
 
 namespace flirt {
@@ -64,11 +65,13 @@ std::span<const Match> Matcher::candidates(const DescriptorRows& reference) {
 
 void Matcher::add_nearest(const DescriptorRows& reference) {
   const std::span<const Nearest> nearest = nearest_rows_.search(reference, static_cast<float>(params_.max_distance));
+  candidates_.resize(nearest.size());
+  std::size_t count = 0;
   for (std::uint32_t i = 0; i < nearest.size(); ++i) {
-    if (nearest[i].distance < static_cast<float>(params_.max_distance)) {
-      candidates_.push_back({i, nearest[i].reference, nearest[i].distance});
-    }
+    candidates_[count] = {i, nearest[i].reference, nearest[i].distance};
+    count += nearest[i].distance < std::numeric_limits<float>::infinity() ? 1 : 0;
   }
+  candidates_.resize(count);
 }
 
 void Matcher::add_from_table(const DescriptorRows& reference) {

@@ -28,8 +28,9 @@ PairLimits limits_of(const RansacParams& params) {
 bool is_better(const Match& a, const Match& b) {
   return std::tie(a.distance, a.query, a.reference) < std::tie(b.distance, b.query, b.reference);
 }
-bool comes_before(const Match& a, const Match& b) {
-  return std::tie(a.query, a.reference) < std::tie(b.query, b.reference);
+/// By query, then by reference.
+std::uint64_t place_of(const Match& match) {
+  return std::uint64_t{match.query} << 32U | match.reference;
 }
 bool is_same_pair(const Match& a, const Match& b) {
   return a.query == b.query && a.reference == b.reference;
@@ -94,14 +95,16 @@ Eigen::Matrix3d Ransac::covariance() const {
 /// The candidates whose keypoints are in sight into usable_, each once; by descriptor distance, unless all their pairs
 /// will be tried, where the order only decides between equally good ones (see try_all).
 void Ransac::choose(const KeypointColumns& reference, std::span<const Match> candidates) {
-  usable_.clear();
+  usable_.resize(candidates.size());
+  std::size_t count = 0;
   bool in_order = true;  // of query, then of reference, each pair once: as a matcher returns them
   for (const Match& match : candidates) {
     const bool usable = is_in_sight(query_, match.query) && is_in_sight(reference, match.reference);
     if (!usable || std::isnan(match.distance)) { continue; }
-    in_order = in_order && (usable_.empty() || comes_before(usable_.back(), match));
-    usable_.push_back(match);
+    in_order = in_order && (count == 0 || place_of(usable_[count - 1]) < place_of(match));
+    usable_[count++] = match;
   }
+  usable_.resize(count);
   const bool all_pairs = params_.sampling == Sampling::exhaustive && params_.inlier_rule == InlierRule::nearest_point &&
                          usable_.size() * usable_.size() / 2 <= params_.max_samples;
   if (in_order && all_pairs) { return; }
@@ -225,7 +228,6 @@ void Ransac::evaluate(const RigidMotion& reference_from_query, const KeypointCol
   const Motion motion = motion_of(reference_from_query);
   support.reference_from_query = reference_from_query;
   support.inliers.clear();
-  support.points.clear();
   if (params_.inlier_rule == InlierRule::nearest_point) {
     nearest_points(motion, scored_query_, reference, nearest_, squared_);
     const float farthest = farthest_inlier(motion);
@@ -246,14 +248,18 @@ void Ransac::evaluate(const RigidMotion& reference_from_query, const KeypointCol
 
   const double limit{limit_};
   double gain = 0.0;
-  std::erase_if(support.inliers, [&](const IndexPair& pair) {
+  std::size_t count = 0;
+  support.points.resize(support.inliers.size());
+  for (const IndexPair pair : support.inliers) {
     const PointPair points{point(query_, pair.query), point(reference, pair.reference)};
     const double squared = squared_norm(points.reference - reference_from_query * points.query);
-    if (!(squared < limit)) { return true; }
+    if (!(squared < limit)) { continue; }
     gain += limit - squared;
-    support.points.push_back(points);
-    return false;
-  });
+    support.inliers[count] = pair;
+    support.points[count++] = points;
+  }
+  support.inliers.resize(count);
+  support.points.resize(count);
   support.residual = limit - gain / static_cast<double>(query_.size());
 }
 
