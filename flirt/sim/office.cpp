@@ -118,7 +118,8 @@ void add_rooms(const Band& band, double west, double east, const OfficeParams& p
                   .width = draw_width(params, rng),
                   .depth = band.depth,
                   .back = band.back,
-                  .seed = rng.bits()};
+                  .seed = rng.bits(),
+                  .number = world.places.size()};
     site.kind = draw_kind(site.width, rng);
     if (last && rng.uniform() < params.twin_rooms) {
       site.width = last->width;
@@ -146,8 +147,17 @@ void add_band(const Band& band, std::span<const Crossing> openings, const Layout
   add_rooms(band, west, layout.width, params, rng, world);
 }
 
+/// Where a thing that stood at `place` along a corridor stands now, m: somewhat aside, or nowhere.
+std::optional<double> place_now(double place, const OfficeParams& params, Rng& changes) {
+  constexpr double carried_away = 0.25;
+  if (changes.uniform() >= params.changed) { return place; }
+  if (changes.uniform() < carried_away) { return std::nullopt; }
+  return place + changes.uniform(-0.6, 0.6);
+}
+
 /// The walls between two corridors to both sides of a cross corridor, and what stands along them.
-void add_crossing(const Layout& layout, const Crossing& crossing, const OfficeParams& params, Rng& rng, World& world) {
+void add_crossing(const Layout& layout, const Crossing& crossing, const OfficeParams& params, Rng& rng, Rng& changes,
+                  World& world) {
   const double south = layout.rows[crossing.row].north_face;
   const double north = layout.rows[crossing.row + 1].south_face;
   for (const double x : {crossing.west, crossing.east}) {
@@ -157,7 +167,9 @@ void add_crossing(const Layout& layout, const Crossing& crossing, const OfficePa
       if (rng.uniform() > params.furniture * 0.7) { continue; }
       const double depth = rng.uniform(0.12, 0.4);
       const double length = rng.uniform(0.3, 1.2);
-      office::add_box(world.plan, {x + away * depth / 2, y + length / 2}, depth, length);
+      if (const auto now = place_now(y, params, changes)) {
+        office::add_box(world.plan, {x + away * depth / 2, *now + length / 2}, depth, length);
+      }
     }
   }
   const double middle = (crossing.west + crossing.east) / 2;
@@ -174,7 +186,7 @@ void add_ends(const Row& row, const Layout& layout, const OfficeParams& params, 
 
 /// Things along a corridor: frames of fire doors, cabinets, plants, niches' corners.
 void add_corridor_things(const Row& row, std::span<const Crossing> openings, const Layout& layout,
-                         const OfficeParams& params, Rng& rng, World& world) {
+                         const OfficeParams& params, Rng& rng, Rng& changes, World& world) {
   const double width = row.north_face - row.south_face;
   for (double x = rng.uniform(1.0, 6.0); x < layout.width - 1.0; x += rng.uniform(2.5, 9.0)) {
     const bool at_opening = std::any_of(openings.begin(), openings.end(), [&](const Crossing& crossing) {
@@ -190,12 +202,16 @@ void add_corridor_things(const Row& row, std::span<const Crossing> openings, con
       const double stub = std::min(0.15 + 0.2 * size, (width - 1.3) / 2);
       office::add_box(world.plan, {x, row.south_face + stub / 2}, 0.12, stub);
       office::add_box(world.plan, {x, row.north_face - stub / 2}, 0.12, stub);
-    } else if (kind < 0.3 + 0.5 * params.furniture) {
+      continue;
+    }
+    const auto now = place_now(x, params, changes);
+    if (!now) { continue; }
+    if (kind < 0.3 + 0.5 * params.furniture) {
       const double depth = std::min(0.25 + 0.25 * size, width - 1.4);
-      office::add_box(world.plan, {x, face + away * depth / 2}, 0.6 + size, depth);
+      office::add_box(world.plan, {*now, face + away * depth / 2}, 0.6 + size, depth);
     } else if (kind < 0.3 + 0.7 * params.furniture) {
       const double radius = std::min(0.12 + 0.13 * size, (width - 1.4) / 2);
-      world.plan.discs.push_back({{x, face + away * radius}, radius});
+      world.plan.discs.push_back({{*now, face + away * radius}, radius});
     }
   }
   for (double x = 2.0; x < layout.width - 1.0; x += 8.0) {
@@ -207,6 +223,7 @@ void add_corridor_things(const Row& row, std::span<const Crossing> openings, con
 
 World make_office(const OfficeParams& params) {
   Rng rng(params.seed);
+  Rng changes(params.visit, ~params.seed);  // rooms have streams of their own
   const Layout layout = make_layout(params, rng);
   World world;
   const std::size_t last = layout.rows.size() - 1;
@@ -225,9 +242,9 @@ World make_office(const OfficeParams& params) {
     add_ends(row, layout, params, rng, world);
     std::vector<Crossing> openings = south;
     openings.insert(openings.end(), north.begin(), north.end());
-    add_corridor_things(row, openings, layout, params, rng, world);
+    add_corridor_things(row, openings, layout, params, rng, changes, world);
   }
-  for (const Crossing& crossing : layout.crossings) { add_crossing(layout, crossing, params, rng, world); }
+  for (const Crossing& crossing : layout.crossings) { add_crossing(layout, crossing, params, rng, changes, world); }
   return world;
 }
 

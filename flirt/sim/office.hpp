@@ -23,6 +23,8 @@ struct OfficeParams {
   double glass_fronts{0.12};     ///< share of the rooms with a glass pane to the corridor or to the outside
   double twin_rooms{0.15};       ///< share of the rooms that repeat their neighbour, furniture included
   std::uint64_t seed{1};         ///< another seed, another building
+  double changed{0};             ///< share of the furniture and doors that people have moved: the same building later
+  std::uint64_t visit{1};        ///< another visit, other changes
 };
 
 template <class Params, class Visitor>
@@ -38,9 +40,12 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.glass_fronts, Field{"glass_fronts", "1", "share of rooms with glass to corridor or outside", 0, 1});
   visit(params.twin_rooms, Field{"twin_rooms", "1", "share of rooms that repeat their neighbour", 0, 1});
   visit(params.seed, Field{"seed", "", "another seed, another building"});
+  visit(params.changed, Field{"changed", "1", "share of furniture and doors moved: the same building later", 0, 1});
+  visit(params.visit, Field{"visit", "", "another visit, other changes"});
 }
 
-/// The building, with the middle of each room and points along the corridors as places. O(area).
+/// The building, with the middle of each room and points along the corridors as places. What has `changed` was pushed
+/// aside by a metre or less, turned, or carried away; walls, columns and places stay to the last bit. O(area).
 [[nodiscard]] World make_office(const OfficeParams& params);
 
 }  // namespace flirt

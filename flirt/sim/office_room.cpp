@@ -16,7 +16,7 @@ constexpr double gap = 0.04;  // m, kept between pieces of furniture
 class Furnisher {
  public:
   Furnisher(const RoomSite& site, const OfficeParams& params, World& world)
-      : site_(site), params_(params), plan_(world.plan), rng_(site.seed) {
+      : site_(site), params_(params), plan_(world.plan), rng_(site.seed), changes_(params.visit, site.number) {
     inside_ = {{wall / 2, wall}, {site.width - wall / 2, site.depth - wall / 2}};
   }
 
@@ -28,11 +28,23 @@ class Furnisher {
     }
     add_sides_and_back();
     furnish();
+    rearrange();
   }
 
  private:
+  /// What stands or falls together: some of the plan's newest segments and discs.
+  struct Piece {
+    std::size_t first_segment;
+    std::size_t segments;
+    std::size_t first_disc;
+    std::size_t discs;
+  };
+
   [[nodiscard]] Point2 in_plan(Point2 local) const {
     return site_.origin + Point2{site_.right * local.x, site_.inwards * local.y};
+  }
+  [[nodiscard]] Point2 in_room(Point2 in_plan) const {
+    return {site_.right * (in_plan.x - site_.origin.x), site_.inwards * (in_plan.y - site_.origin.y)};
   }
   void line(Point2 a, Point2 b, Material material = Material::solid) {
     plan_.segments.push_back({in_plan(a), in_plan(b), material});
@@ -82,21 +94,27 @@ class Furnisher {
     return has_glass && width > site_.width / 2 ? Material::glass : Material::solid;
   }
 
+  /// Angle of a door leaf, rad; 0: closed.
+  [[nodiscard]] double opening(double state, double swing) const {
+    if (state < params_.open_doors) { return half_turn / 2 + swing * 0.3; }
+    return state < params_.open_doors + params_.half_open_doors ? 0.3 + swing * 0.8 : 0;
+  }
+
   void add_door_leaf(double left, double right) {
     const bool hinge_left = rng_.uniform() < 0.5;
     const double state = rng_.uniform();
     const double swing = rng_.uniform();
-    double angle = 0;  // of the opening
-    if (state < params_.open_doors) {
-      angle = half_turn / 2 + swing * 0.3;
-    } else if (state < params_.open_doors + params_.half_open_doors) {
-      angle = 0.3 + swing * 0.8;
+    double angle = opening(state, swing);
+    double recess = angle == 0 ? rng_.uniform(0.03, wall - 0.03) : 0;  // closed leaves stand within the wall
+    if (has_changed()) {
+      const double new_state = changes_.uniform();
+      angle = opening(new_state, changes_.uniform());
+      recess = changes_.uniform(0.03, wall - 0.03);
     }
     const Point2 hinge{hinge_left ? left : right, wall};
     const double width = right - left - 0.01;
     const double aside = (hinge_left ? 1 : -1) * std::cos(angle);
     if (angle == 0) {
-      const double recess = rng_.uniform(0.03, wall - 0.03);  // closed leaves stand within the wall
       line({left, recess}, {right, recess});
       return;
     }
@@ -127,25 +145,39 @@ class Furnisher {
     if (rng_.uniform() > 0.35) { return; }
     const double width = rng_.uniform(0.3, 0.7);
     const double x = rng_.uniform() < 0.6 ? inside_.low.x : rng_.uniform(inside_.low.x, inside_.high.x - width);
-    try_box({{x, inside_.high.y - rng_.uniform(0.15, 0.5)}, {x + width, inside_.high.y}});
+    const Rectangle area{{x, inside_.high.y - rng_.uniform(0.15, 0.5)}, {x + width, inside_.high.y}};
+    if (claim(area)) { box(area); }
   }
 
   // Furniture. Pieces claim a rectangle, chairs included, that no other piece may touch.
   void keep_free(const Rectangle& area) { taken_.push_back(area); }
-  [[nodiscard]] bool claim(const Rectangle& area) {
+  [[nodiscard]] bool lies_inside(const Rectangle& area) const {
     constexpr double rounding = 1e-9;
-    const bool is_inside = area.low.x >= inside_.low.x - rounding && area.low.y >= inside_.low.y - rounding &&
-                           area.high.x <= inside_.high.x + rounding && area.high.y <= inside_.high.y + rounding;
-    const bool is_free = std::none_of(taken_.begin(), taken_.end(), [&](const Rectangle& other) {
-      return area.low.x < other.high.x + gap && other.low.x < area.high.x + gap && area.low.y < other.high.y + gap &&
-             other.low.y < area.high.y + gap;
-    });
-    if (!is_inside || !is_free) { return false; }
+    return area.low.x >= inside_.low.x - rounding && area.low.y >= inside_.low.y - rounding &&
+           area.high.x <= inside_.high.x + rounding && area.high.y <= inside_.high.y + rounding;
+  }
+  [[nodiscard]] static bool touch(const Rectangle& a, const Rectangle& b) {
+    return a.low.x < b.high.x + gap && b.low.x < a.high.x + gap && a.low.y < b.high.y + gap && b.low.y < a.high.y + gap;
+  }
+  [[nodiscard]] bool claim(const Rectangle& area) {
+    const bool is_taken = std::ranges::any_of(taken_, [&](const Rectangle& other) { return touch(area, other); });
+    if (!lies_inside(area) || is_taken) { return false; }
     taken_.push_back(area);
     return true;
   }
   void try_box(const Rectangle& area) {
-    if (claim(area)) { box(area); }
+    if (claim(area)) {
+      add_piece([&] { box(area); });
+    }
+  }
+
+  /// What `draw` adds to the plan is one piece.
+  template <class Draw>
+  void add_piece(const Draw& draw) {
+    const std::size_t segments = plan_.segments.size();
+    const std::size_t discs = plan_.discs.size();
+    draw();
+    pieces_.push_back({segments, plan_.segments.size() - segments, discs, plan_.discs.size() - discs});
   }
 
   /// A rectangle of `along` × `across` m with its back to one of the walls: 0 left, 1 back, 2 right, 3 front.
@@ -171,12 +203,15 @@ class Furnisher {
 
   void add_chair(Point2 center) {
     const double angle = rng_.uniform(0, 2 * half_turn);
-    if (rng_.uniform() < 0.4) {  // swivel chair: its column and the five castors
-      disc(center, 0.03);
-      for (int i = 0; i < 5; ++i) { disc(center + around(angle + i * 0.4 * half_turn, 0.3), 0.025); }
-      return;
-    }
-    for (int i = 0; i < 4; ++i) { disc(center + around(angle + (i + 0.5) * half_turn / 2, 0.28), 0.015); }
+    const bool swivels = rng_.uniform() < 0.4;
+    add_piece([&] {
+      if (swivels) {  // its column and the five castors
+        disc(center, 0.03);
+        for (int i = 0; i < 5; ++i) { disc(center + around(angle + i * 0.4 * half_turn, 0.3), 0.025); }
+      } else {
+        for (int i = 0; i < 4; ++i) { disc(center + around(angle + (i + 0.5) * half_turn / 2, 0.28), 0.015); }
+      }
+    });
   }
   [[nodiscard]] static Point2 around(double angle, double radius) {
     return {radius * std::cos(angle), radius * std::sin(angle)};
@@ -209,13 +244,15 @@ class Furnisher {
     const auto between = [](Point2 a, Point2 b) -> Rectangle {
       return {{std::min(a.x, b.x), std::min(a.y, b.y)}, {std::max(a.x, b.x), std::max(a.y, b.y)}};
     };
-    add_table(between(at(0, 0), at(length, depth)));
-    if (extras < 0.6) {
-      const double u = drawers_first ? 0.1 : length - 0.54;
-      box(between(at(u, depth - 0.62), at(u + 0.44, depth - 0.02)));
-    } else if (extras < 0.8) {
-      line(at(0.05, depth - 0.3), at(length - 0.05, depth - 0.3));
-    }
+    add_piece([&] {
+      add_table(between(at(0, 0), at(length, depth)));
+      if (extras < 0.6) {
+        const double u = drawers_first ? 0.1 : length - 0.54;
+        box(between(at(u, depth - 0.62), at(u + 0.44, depth - 0.02)));
+      } else if (extras < 0.8) {
+        line(at(0.05, depth - 0.3), at(length - 0.05, depth - 0.3));
+      }
+    });
     add_chair(at(chair_at * length, depth + 0.4));
   }
 
@@ -229,7 +266,7 @@ class Furnisher {
     const Rectangle top{center - Point2{length / 2, depth / 2}, center + Point2{length / 2, depth / 2}};
     const Rectangle with_chairs{top.low - Point2{0.5, 0.5}, top.high + Point2{0.5, 0.5}};
     if (!claim(with_chairs)) { return; }
-    add_table(top);
+    add_piece([&] { add_table(top); });
     for (double x = top.low.x + 0.4; x < top.high.x - 0.2; x += 0.75) {
       for (const double y : {top.low.y - 0.15, top.high.y + 0.15}) {
         if (rng_.uniform() < 0.85) { add_chair({x + rng_.uniform(-0.1, 0.1), y + rng_.uniform(-0.1, 0.1)}); }
@@ -245,9 +282,9 @@ class Furnisher {
     const Rectangle top{low, low + Point2{length, depth}};
     if (!claim(top)) { return; }
     if (rng_.uniform() < 0.5) {
-      box(top);
+      add_piece([&] { box(top); });
     } else {
-      add_table(top);
+      add_piece([&] { add_table(top); });
       add_chair({rng_.uniform(top.low.x + 0.3, top.high.x - 0.3), top.high.y - 0.1});
     }
   }
@@ -267,11 +304,13 @@ class Furnisher {
     const double angle = rng_.uniform(0, half_turn);
     if (!claim(area)) { return; }
     const Point2 center = 0.5 * (area.low + area.high);
-    if (is_round) {
-      disc(center, size * 0.9);
-    } else {
-      add_box(plan_, in_plan(center), size * 1.3, size * 1.2, site_.right * site_.inwards * angle);
-    }
+    add_piece([&] {
+      if (is_round) {
+        disc(center, size * 0.9);
+      } else {
+        add_box(plan_, in_plan(center), size * 1.3, size * 1.2, site_.right * site_.inwards * angle);
+      }
+    });
   }
 
   [[nodiscard]] int pieces(double per_square_metre) {
@@ -307,10 +346,67 @@ class Furnisher {
     for (int i = pieces(0.08); i > 0; --i) { add_odd_piece(); }
   }
 
+  [[nodiscard]] bool has_changed() { return changes_.uniform() < params_.changed; }
+
+  /// What people have done since: things pushed aside, or carried away.
+  void rearrange() {
+    constexpr double carried_away = 0.25;
+    for (std::size_t i = pieces_.size(); i-- > 0;) {  // the last first: the earlier ones keep their places in the plan
+      if (!has_changed()) { continue; }
+      if (changes_.uniform() < carried_away || !push(pieces_[i])) { remove(pieces_[i]); }
+    }
+  }
+
+  /// Moves a piece by a metre or less and turns it somewhat, where there is room for that; pieces may overlap then.
+  bool push(const Piece& piece) {
+    constexpr int tries = 5;
+    for (int i = 0; i < tries; ++i) {
+      const Point2 shift = around(changes_.uniform(0, 2 * half_turn), changes_.uniform(0.2, 1.0));
+      const double turn = changes_.uniform(-0.5, 0.5);
+      FloorPlan moved = copy_of(piece);
+      const Rectangle before = bounds(moved);
+      const Point2 center = 0.5 * (before.low + before.high);
+      const Pose2 now{center.x + shift.x, center.y + shift.y, turn};
+      const auto move = [&](Point2& point) { point = now * (point - center); };
+      for (PlanSegment& segment : moved.segments) {
+        move(segment.begin);
+        move(segment.end);
+      }
+      for (PlanDisc& disc : moved.discs) { move(disc.center); }
+      if (!has_room(bounds(moved))) { continue; }
+      std::ranges::copy(moved.segments, plan_.segments.begin() + static_cast<std::ptrdiff_t>(piece.first_segment));
+      std::ranges::copy(moved.discs, plan_.discs.begin() + static_cast<std::ptrdiff_t>(piece.first_disc));
+      return true;
+    }
+    return false;
+  }
+
+  /// Within the room's walls, and not in its door.
+  [[nodiscard]] bool has_room(const Rectangle& in_plan) const {
+    const Point2 a = in_room(in_plan.low);
+    const Point2 b = in_room(in_plan.high);
+    const Rectangle area{{std::min(a.x, b.x), std::min(a.y, b.y)}, {std::max(a.x, b.x), std::max(a.y, b.y)}};
+    return lies_inside(area) && !touch(area, taken_.front());
+  }
+  [[nodiscard]] FloorPlan copy_of(const Piece& piece) const {
+    const auto segments = plan_.segments.begin() + static_cast<std::ptrdiff_t>(piece.first_segment);
+    const auto discs = plan_.discs.begin() + static_cast<std::ptrdiff_t>(piece.first_disc);
+    return {.segments = {segments, segments + static_cast<std::ptrdiff_t>(piece.segments)},
+            .discs = {discs, discs + static_cast<std::ptrdiff_t>(piece.discs)}};
+  }
+  void remove(const Piece& piece) {
+    const auto segments = plan_.segments.begin() + static_cast<std::ptrdiff_t>(piece.first_segment);
+    const auto discs = plan_.discs.begin() + static_cast<std::ptrdiff_t>(piece.first_disc);
+    plan_.segments.erase(segments, segments + static_cast<std::ptrdiff_t>(piece.segments));
+    plan_.discs.erase(discs, discs + static_cast<std::ptrdiff_t>(piece.discs));
+  }
+
   const RoomSite& site_;
   const OfficeParams& params_;
   FloorPlan& plan_;
   Rng rng_;
+  Rng changes_;
+  std::vector<Piece> pieces_;
   Rectangle inside_;
   std::vector<Rectangle> taken_;
 };

@@ -31,7 +31,8 @@ struct RoomSite {
   double depth{0};            ///< m, from the corridor to the middle of the back wall
   Outside back{Outside::no};  ///< the back wall is one of the building's own
   RoomKind kind{RoomKind::study};
-  std::uint64_t seed{0};  ///< equal kinds, sizes and seeds: twins
+  std::uint64_t seed{0};    ///< equal kinds, sizes and seeds: twins
+  std::uint64_t number{0};  ///< of the room in the building
 };
 
 /// Adds the room to the world, its middle as a place.
