@@ -64,6 +64,8 @@ void add_score_variants(const LocalizeParams& full, std::vector<LocalizationVari
   without("end-points-only", "the three before together", {&W::through, &W::free, &W::unknown});
   add("one-score", "places compared by how well the scan fits",
       [](LocalizeParams& params) { params.search.score.preference = params.search.score.fit; });
+  add("nothing-moved", "what is not unique is not judged again as if narrow things had been moved",
+      [](LocalizeParams& params) { params.search.score.moved_width = 0; });
   add("margin-only", "confidence without the shares of unseen end points and crossing beams",
       [](LocalizeParams& params) {
         params.verdict.unknown = 0;

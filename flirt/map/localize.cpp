@@ -49,6 +49,24 @@ std::vector<ScanPoints> readings_of(const Scan& scan, const LocalizeParams& para
   return readings;
 }
 
+/// The distinct ones of some poses, best first, and what they say.
+struct Answer {
+  std::vector<ScoredPose> poses;
+  Judgement judgement;
+};
+
+/// Where what beams cross should speak against all places, narrow things may have been moved: of the two answers the
+/// more confident one holds.
+Answer answer_from(std::vector<ScoredPose> judged, std::size_t points, const LocalizeParams& params) {
+  Answer answer{distinct(judged, params.search), {}};
+  answer.judgement = judge_answer(answer.poses, points, params.verdict);
+  if (answer.judgement.verdict == Verdict::unique) { return answer; }
+  for (ScoredPose& pose : judged) { pose.score = if_things_moved(pose.score, params.search.score); }
+  Answer other{distinct(std::move(judged), params.search), {}};
+  other.judgement = judge_answer(other.poses, points, params.verdict);
+  return other.judgement.confidence > answer.judgement.confidence ? other : answer;
+}
+
 /// Where the end points fit, near `places` or, without them, anywhere.
 LocalizationResult answer_of(const MapFields& fields, const ScanPoints& points,
                              const std::optional<std::vector<Pose2>>& places, const LocalizeParams& params,
@@ -59,8 +77,8 @@ LocalizationResult answer_of(const MapFields& fields, const ScanPoints& points,
   times.search_us += stopwatch.lap_us();
   const std::vector<Pose2> promising = finalists(fields, points, coarse, params.search);
   times.rank_us += stopwatch.lap_us();
-  const std::vector<ScoredPose> poses = distinct(judge(fields, points, promising, params.search), params.search);
-  const Judgement judgement = judge_answer(poses, points_of_evidence(points, params.verdict), params.verdict);
+  const auto [poses, judgement] =
+      answer_from(judge(fields, points, promising, params.search), points_of_evidence(points, params.verdict), params);
   LocalizationResult result{.verdict = judgement.verdict,
                             .reason = judgement.reason,
                             .confidence = judgement.confidence,

@@ -14,7 +14,55 @@ std::int32_t floor_to_int(float v) {
   return truncated - (v < static_cast<float>(truncated) ? 1 : 0);
 }
 
+/// Cells from a place to the first solid cell in a direction; `length`, when there is none before.
+float to_solid(const MapFields& fields, float from_x, float from_y, float direction_x, float direction_y,
+               float length) {
+  for (float t = 0; t < length;) {
+    const auto x = floor_to_int(from_x + t * direction_x);
+    const auto y = floor_to_int(from_y + t * direction_y);
+    if (!fields.contains(x, y)) {
+      t += 4;
+      continue;
+    }
+    const MapTile* const tile = fields.tiles[fields.tile_index(x, y)].get();
+    const std::uint8_t clear = tile == nullptr ? MapTile::clear : tile->clearance[MapTile::offset(x, y)];
+    if (clear == MapTile::solid) { return t; }
+    t += std::max(0.7F, static_cast<float>(clear));
+  }
+  return length;
+}
+
+/// Something solid that neighbouring beams cross.
+struct CrossedThing {
+  double beams{0};
+  float first_x{0};  ///< cells, where the first of them meets it
+  float first_y{0};  ///< cells
+  double width{0};   ///< cells, from there to where another meets it, at most
+
+  void add(float x, float y) {
+    if (beams == 0) {
+      first_x = x;
+      first_y = y;
+    }
+    ++beams;
+    width = std::max<double>(width, std::hypot(x - first_x, y - first_y));
+  }
+};
+
+std::size_t count_beams(const ScanPoints& points, std::size_t stride) {
+  std::size_t beams = 0;
+  for (std::size_t i = 0; i < points.size(); i += stride) { beams += points.range[i] > 0 ? 1U : 0U; }
+  return beams;
+}
+
 }  // namespace
+
+EvidenceScore if_things_moved(EvidenceScore score, const EvidenceScoreParams& params) {
+  score.through = score.through_fixed;
+  score.total = weighted(score, params.fit);
+  score.preference = weighted(score, params.preference);
+  return score;
+}
 
 EvidenceScorer::EvidenceScorer(const MapFields& fields, const EvidenceScoreParams& params)
     : fields_(&fields), params_(params) {
@@ -70,50 +118,64 @@ EvidenceScore EvidenceScorer::score_of_end_points(const ScanPoints& points, cons
 
 EvidenceScore EvidenceScorer::score(const ScanPoints& points, const Pose2& map_from_sensor) const {
   EvidenceScore score = score_of_end_points(points, map_from_sensor);
-  score.through = through(points, map_from_sensor);
+  add_crossings(score, points, map_from_sensor);
   score.total = weighted(score, params_.fit);
   score.preference = weighted(score, params_.preference);
   return score;
 }
 
-bool EvidenceScorer::crosses_solid(float from_x, float from_y, float direction_x, float direction_y,
-                                   float length) const {
-  for (float t = 0; t < length;) {
-    const auto x = floor_to_int(from_x + t * direction_x);
-    const auto y = floor_to_int(from_y + t * direction_y);
-    if (!fields_->contains(x, y)) {
-      t += 4;
-      continue;
-    }
-    const MapTile* const tile = fields_->tiles[fields_->tile_index(x, y)].get();
-    const std::uint8_t clear = tile == nullptr ? MapTile::clear : tile->clearance[MapTile::offset(x, y)];
-    if (clear == MapTile::solid) { return true; }
-    t += std::max(0.7F, static_cast<float>(clear));
-  }
-  return false;
-}
-
-double EvidenceScorer::through(const ScanPoints& points, const Pose2& map_from_sensor, std::size_t stride,
-                               double most) const {
+template <class Visit>
+void EvidenceScorer::for_each_beam(const ScanPoints& points, const Pose2& map_from_sensor, std::size_t stride,
+                                   const Visit& visit) const {
   const auto scale = static_cast<float>(1.0 / fields_->cell_size);
   const auto c = static_cast<float>(std::cos(map_from_sensor.theta));
   const auto s = static_cast<float>(std::sin(map_from_sensor.theta));
   const auto x0 = static_cast<float>((map_from_sensor.x - fields_->origin.x) / fields_->cell_size);
   const auto y0 = static_cast<float>((map_from_sensor.y - fields_->origin.y) / fields_->cell_size);
   const auto margin = static_cast<float>(params_.through_margin);
-  std::size_t beams = 0;
-  for (std::size_t i = 0; i < points.size(); i += stride) { beams += points.range[i] > 0 ? 1U : 0U; }
-  const double most_beams = most * static_cast<double>(beams);
-  int crossing = 0;
   for (std::size_t i = 0; i < points.size(); i += stride) {
     if (points.range[i] <= 0) { continue; }
     const float inverse_range = 1.0F / points.range[i];
     const float dx = (c * points.x[i] - s * points.y[i]) * inverse_range;
     const float dy = (s * points.x[i] + c * points.y[i]) * inverse_range;
-    crossing += crosses_solid(x0, y0, dx, dy, scale * (points.range[i] - margin)) ? 1 : 0;
-    if (crossing > most_beams) { return 1.0; }
+    const float length = scale * (points.range[i] - margin);
+    const float t = to_solid(*fields_, x0, y0, dx, dy, length);
+    if (!visit(t < length, x0 + t * dx, y0 + t * dy)) { return; }
   }
-  return beams == 0 ? 0.0 : crossing / static_cast<double>(beams);
+}
+
+double EvidenceScorer::through(const ScanPoints& points, const Pose2& map_from_sensor, std::size_t stride,
+                               double most) const {
+  const auto beams = static_cast<double>(count_beams(points, stride));
+  double crossing = 0;
+  for_each_beam(points, map_from_sensor, stride, [&](bool crosses, float /*x*/, float /*y*/) {
+    crossing += crosses ? 1 : 0;
+    return crossing <= most * beams;
+  });
+  if (crossing > most * beams) { return 1; }
+  return beams == 0 ? 0 : crossing / beams;
+}
+
+/// The share of the beams that cross something solid, and the same where the narrow things among it count for little.
+void EvidenceScorer::add_crossings(EvidenceScore& score, const ScanPoints& points, const Pose2& map_from_sensor) const {
+  const auto beams = static_cast<double>(count_beams(points, 1));
+  if (beams == 0) { return; }
+  const double narrow = params_.moved_width / fields_->cell_size;
+  double crossing = 0;
+  double crossing_fixed = 0;
+  CrossedThing thing;
+  const auto end_thing = [&] {
+    crossing += thing.beams;
+    crossing_fixed += thing.width < narrow ? std::min(thing.beams, params_.moved_share * beams) : thing.beams;
+    thing = {};
+  };
+  for_each_beam(points, map_from_sensor, 1, [&](bool crosses, float x, float y) {
+    crosses ? thing.add(x, y) : end_thing();
+    return true;
+  });
+  end_thing();
+  score.through = crossing / beams;
+  score.through_fixed = crossing_fixed / beams;
 }
 
 }  // namespace flirt

@@ -25,6 +25,8 @@ struct EvidenceWeights {
 struct EvidenceScoreParams {
   double sigma{0.1};           ///< m, of the likelihood of an end point's distance to the nearest occupied cell
   double through_margin{0.3};  ///< m before a beam's end where a solid cell no longer counts as crossed
+  double moved_width{2.0};     ///< m, solid things that are narrower may have been moved: doors, cabinets; 0: nothing
+  double moved_share{0.05};    ///< of the beams, what one such thing counts at most in `through_fixed`
   EvidenceWeights fit{14.7, -11.7, 1.0, -16.5};  ///< fitted on the logs aces and fr101 only
   /// Half of the way from `fit` to the conditional logit of the right place among all others (4.18, −12.75, −0.92,
   /// −19.35, in units of 1 / VerdictParams::pair_odds) of aces, fr101 and nine simulated buildings, scans whose
@@ -45,18 +47,21 @@ void visit_fields(Params& params, Visitor&& visit) {
   visit(params.preference.unknown, Field{"preferred_unknown", "", "the same between two places", -100, 100});
   visit(params.preference.through, Field{"preferred_through", "", "the same between two places", -100, 100});
   visit(params.through_margin, Field{"through_margin", "m", "part of a beam before its end that may be solid", 0, 5});
+  visit(params.moved_width, Field{"moved_width", "m", "solid things that are narrower may have been moved", 0, 100});
+  visit(params.moved_share, Field{"moved_share", "1", "of the beams, what one moved thing counts at most", 0, 1});
 }
 
 /// The terms, each a mean over the end points, and their weighted sums.
 struct EvidenceScore {
-  double total{0};       ///< how well the scan fits here
-  double preference{0};  ///< the larger of two is the likelier place
-  double likelihood{0};  ///< 0..1
-  double free{0};        ///< 0..1
-  double unknown{0};     ///< 0..1
-  double through{0};     ///< 0..1
-  double near{0};        ///< 0..1, share of end points within 0.1 m of something occupied; has no weight
-  double residual{0};    ///< m², mean squared distance to something occupied, each at most (0.4 m)²; has no weight
+  double total{0};          ///< how well the scan fits here
+  double preference{0};     ///< the larger of two is the likelier place
+  double likelihood{0};     ///< 0..1
+  double free{0};           ///< 0..1
+  double unknown{0};        ///< 0..1
+  double through{0};        ///< 0..1
+  double through_fixed{0};  ///< 0..1, `through` where narrow things may have been moved; see if_things_moved
+  double near{0};           ///< 0..1, share of end points within 0.1 m of something occupied; has no weight
+  double residual{0};       ///< m², mean squared distance to something occupied, each at most (0.4 m)²; has no weight
 };
 
 /// Weighted sum of the terms of anything that has all four.
@@ -64,6 +69,9 @@ struct EvidenceScore {
   return weights.likelihood * terms.likelihood + weights.free * terms.free + weights.unknown * terms.unknown +
          weights.through * terms.through;
 }
+
+/// The score if what is narrow may have been moved since the map was made, so that beams cross its place.
+[[nodiscard]] EvidenceScore if_things_moved(EvidenceScore score, const EvidenceScoreParams& params);
 
 /// Scores poses of scans in one map. Immutable after construction; tables for the parameters inside.
 class EvidenceScorer {
@@ -82,8 +90,12 @@ class EvidenceScorer {
                                double most = 1) const;
 
  private:
-  [[nodiscard]] bool crosses_solid(float from_x, float from_y, float direction_x, float direction_y,
-                                   float length) const;
+  /// Calls `visit(crosses, x, y)` for each of these beams in turn until it returns false; (x, y) is where the beam
+  /// meets something solid, cells from the map's origin.
+  template <class Visit>
+  void for_each_beam(const ScanPoints& points, const Pose2& map_from_sensor, std::size_t stride,
+                     const Visit& visit) const;
+  void add_crossings(EvidenceScore& score, const ScanPoints& points, const Pose2& map_from_sensor) const;
 
   const MapFields* fields_;
   EvidenceScoreParams params_;
