@@ -9,6 +9,7 @@
 #include "flirt/sim/corridors.hpp"
 #include "flirt/sim/office.hpp"
 #include "flirt/sim/station.hpp"
+#include "flirt/sim/warehouse.hpp"
 
 #include "apps/flirt/command.hpp"
 
@@ -61,12 +62,13 @@ struct SimulateOptions {
   CorridorParams corridors;
   TunnelParams tunnel;
   StationParams station;
+  WarehouseParams warehouse;
   SimulateParams simulate;
   OutputParams output;
   ParamFlags params;
 };
 
-constexpr std::array<std::string_view, 4> made_up_plans{"office", "corridors", "tunnel", "station"};
+constexpr std::array<std::string_view, 5> made_up_plans{"office", "corridors", "tunnel", "station", "warehouse"};
 
 World world_of(const SimulateOptions& options) {
   for (const std::string_view plan : made_up_plans) {
@@ -78,6 +80,7 @@ World world_of(const SimulateOptions& options) {
   if (options.plan == "corridors") { return make_corridors(options.corridors); }
   if (options.plan == "tunnel") { return make_tunnel(options.tunnel); }
   if (options.plan == "station") { return make_station(options.station); }
+  if (options.plan == "warehouse") { return make_warehouse(options.warehouse); }
   return {value_or_quit(read_floor_plan(options.plan, options.resolution)), {}, {}};
 }
 
@@ -230,8 +233,8 @@ void add_simulate(CLI::App& program, Session& session) {
     command
         .add_option(
             "--plan", options->plan,
-            "office, corridors, tunnel or station (made up), or FILE.txt of segments x1,y1,x2,y2, or a grid map's "
-            "FILE.yaml, or an image")
+            "office, corridors, tunnel, station or warehouse (made up), or FILE.txt of segments x1,y1,x2,y2, or a grid "
+            "map's FILE.yaml, or an image")
         ->capture_default_str();
     command.add_option("--resolution", options->resolution, "m per pixel of an image without YAML")
         ->check(CLI::Range(1e-6, 1000.0));
@@ -245,6 +248,7 @@ void add_simulate(CLI::App& program, Session& session) {
     options->params.add(command, "corridors", options->corridors);
     options->params.add(command, "tunnel", options->tunnel);
     options->params.add(command, "station", options->station);
+    options->params.add(command, "warehouse", options->warehouse);
     options->params.add(command, "lidar", options->simulate.lidar);
     options->params.add(command, "drive", options->simulate.drive);
     options->params.add(command, "odometry", options->simulate.odometry);

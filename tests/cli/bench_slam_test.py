@@ -79,8 +79,8 @@ class BenchSlam(unittest.TestCase):
         self.fails(2, "no-such.log", "--log", f"a={self.work}/no-such.log", "-o", self.work / "none")
         self.fails(2, "true pose for each scan", "--log", f"a={self.log},odometry=synthetic", "-o", self.work / "none")
 
-    def test_simulates_corridors_tunnel_and_station(self):
-        for plan in ("corridors", "tunnel", "station"):
+    def test_simulates_the_other_made_up_plans(self):
+        for plan in ("corridors", "tunnel", "station", "warehouse"):
             length = ["--station-length", 60] if plan == "station" else []
             done = run("simulate", "-o", self.work / f"{plan}.log", "--plan", plan, "--rounds", 1, "--lidar-beams", 30,
                        *length, "--quiet")

@@ -106,7 +106,8 @@ class Careless(unittest.TestCase):
         out = self.work / "plan.log"
         segments = self.file("plan.txt", "0,0,9,0\n9,0,9,9\n9,9,0,9\n0,9,0,0\n")
         for plan, flag in (("corridors", "--office-area"), ("office", "--tunnel-length"), (segments, "--office-seed"),
-                           ("tunnel", "--station-length"), ("station", "--corridors-length")):
+                           ("tunnel", "--station-length"), ("station", "--corridors-length"),
+                           ("corridors", "--warehouse-length"), ("warehouse", "--office-area")):
             self.refused(1, f"{flag}: expected only with --plan {flag.split('-')[2]}", "simulate", "-o", out, "--plan", plan,
                          flag, "300")
         config = self.file("office.toml", "[drive]\nrounds = 1\n[office]\narea = 300\n")
