@@ -28,6 +28,7 @@ struct BenchBuildingsOptions {
   std::vector<std::uint64_t> office_seeds{1};
   std::vector<double> fields_of_view{180, 270, 360};  ///< degrees
   std::vector<double> people{0, 10, 20, 30};          ///< per cent of the beams
+  std::vector<double> changed{0};                     ///< per cent of the offices' furniture and doors
   std::size_t queries{100};
   std::string out;
   OfficeParams office{.area = 1200};
@@ -36,39 +37,75 @@ struct BenchBuildingsOptions {
   ParamFlags params;
 };
 
-/// A building, its map by one lidar, and places to ask from.
+/// What a building looks like when it is asked, and places to ask from.
+struct Visit {
+  double changed{0};  ///< share of the furniture and doors
+  FloorPlan plan;
+  std::vector<Pose2> map_from_sensor;
+};
+
+/// A building, its map by one lidar, and visits.
 struct Building {
   std::string name;
-  FloorPlan plan;
   PlaceMap map;
-  std::vector<Pose2> map_from_sensor;
+  std::vector<Visit> visits;
 };
 
 struct Row {
   std::string building;
   double field_of_view{0};
+  double changed{0};
   BuildingBench bench;
 };
 
-/// Driven twice: the first round makes the map, places of the second are asked.
+/// Two rounds through an office.
+Simulation drive_through(const OfficeParams& office, const LidarParams& lidar, const Session& session) {
+  const SimulateParams params{
+      .lidar = lidar, .drive = {.place_share = 1}, .seed = session.seed + office.seed, .threads = session.threads};
+  return value_or_quit(simulate(make_office(office), params));
+}
+
+/// Scans of the second round, evenly picked, from within a metre of places of the first round of `mapping`.
+std::vector<Pose2> places_to_ask(const Simulation& simulation, const Simulation& mapping, std::size_t most) {
+  constexpr double near = 1;  // m; opened doors lead to rooms that the map does not know
+  const auto was_mapped = [&](const Pose2& pose) {
+    const auto begin = mapping.log.map_from_robot.begin();
+    return std::any_of(begin, begin + static_cast<std::ptrdiff_t>(mapping.round_begin[1]),
+                       [&](const Pose2& other) { return distance(pose, other) < near; });
+  };
+  std::vector<std::size_t> known;
+  for (std::size_t i = simulation.round_begin[1]; i < simulation.log.scans.size(); ++i) {
+    if (&simulation == &mapping || was_mapped(simulation.log.map_from_robot[i])) { known.push_back(i); }
+  }
+  std::vector<Pose2> places;
+  const std::size_t count = std::min(most, known.size());
+  places.reserve(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    places.push_back(simulation.log.map_from_sensor(known[k * known.size() / count]));
+  }
+  return places;
+}
+
+/// The first round makes the map, places of the second are asked; of what has changed since another drive's second.
 Building office_of(const BenchBuildingsOptions& options, const LidarParams& lidar, std::uint64_t seed,
                    const Session& session) {
   OfficeParams office = options.office;
   office.seed = seed;
-  const SimulateParams params{
-      .lidar = lidar, .drive = {.place_share = 1}, .seed = session.seed + seed, .threads = session.threads};
-  const Simulation simulation = value_or_quit(simulate(make_office(office), params));
+  office.changed = 0;
+  const Simulation mapping = drive_through(office, lidar, session);
   ScanLog first;
-  const std::size_t second = simulation.round_begin[1];
-  first.scans.assign(simulation.log.scans.begin(), simulation.log.scans.begin() + static_cast<std::ptrdiff_t>(second));
-  first.map_from_robot.assign(simulation.log.map_from_robot.begin(),
-                              simulation.log.map_from_robot.begin() + static_cast<std::ptrdiff_t>(second));
-  Building building{
-      fmt::format("office {}", seed), simulation.plan, value_or_quit(build_place_map(first, {}, session.threads)), {}};
-  const std::size_t scans = simulation.log.scans.size() - second;
-  for (std::size_t k = 0; k < std::min(options.queries, scans); ++k) {
-    building.map_from_sensor.push_back(
-        simulation.log.map_from_sensor(second + k * scans / std::min(options.queries, scans)));
+  const auto second = static_cast<std::ptrdiff_t>(mapping.round_begin[1]);
+  first.scans.assign(mapping.log.scans.begin(), mapping.log.scans.begin() + second);
+  first.map_from_robot.assign(mapping.log.map_from_robot.begin(), mapping.log.map_from_robot.begin() + second);
+  Building building{fmt::format("office {}", seed), value_or_quit(build_place_map(first, {}, session.threads)), {}};
+  for (const double per_cent : options.changed) {
+    if (per_cent == 0) {
+      building.visits.push_back({0, mapping.plan, places_to_ask(mapping, mapping, options.queries)});
+      continue;
+    }
+    office.changed = per_cent / 100;
+    const Simulation later = drive_through(office, lidar, session);
+    building.visits.push_back({office.changed, later.plan, places_to_ask(later, mapping, options.queries)});
   }
   return building;
 }
@@ -78,28 +115,30 @@ Building grid_map_of(const BenchBuildingsOptions& options, const std::string& pa
   constexpr double robot_radius = 0.3;  // m
   constexpr double spacing = 0.5;       // m
   const GridMapImage grid = value_or_quit(read_grid_map(path));
-  Building building{std::filesystem::path(path).stem().string(),
-                    plan_from_image(grid.image, grid.metadata),
-                    value_or_quit(place_map_from_grid(grid.image, grid.metadata, {}, {}, session.threads), path),
-                    {}};
-  const FreeSpace space(building.plan, robot_radius);
+  Visit visit{0, plan_from_image(grid.image, grid.metadata), {}};
+  const FreeSpace space(visit.plan, robot_radius);
   Rng rng(session.seed);
   for (const Point2& place : space.spread(spacing, session.seed)) {
-    if (building.map_from_sensor.size() == options.queries) { break; }
-    building.map_from_sensor.push_back({place.x, place.y, rng.uniform(-std::numbers::pi, std::numbers::pi)});
+    if (visit.map_from_sensor.size() == options.queries) { break; }
+    visit.map_from_sensor.push_back({place.x, place.y, rng.uniform(-std::numbers::pi, std::numbers::pi)});
   }
-  return building;
+  return {std::filesystem::path(path).stem().string(),
+          value_or_quit(place_map_from_grid(grid.image, grid.metadata, {}, {}, session.threads), path),
+          {std::move(visit)}};
 }
 
 void run_building(const BenchBuildingsOptions& options, const Building& building, const LidarParams& lidar,
                   const Session& session, std::vector<Row>& rows) {
-  for (const double people : options.people) {
-    const BuildingBenchParams params{
-        .people = people / 100, .localize = options.localize.localize(), .seed = session.seed};
-    const std::string label = fmt::format("{}, {:.0f}°", building.name, degrees_from_radians(lidar.field_of_view));
-    rows.push_back({building.name, degrees_from_radians(lidar.field_of_view),
-                    bench_building(building.plan, building.map, lidar, building.map_from_sensor, params,
-                                   session.threads, progress_bar(session, label))});
+  const double field_of_view = degrees_from_radians(lidar.field_of_view);
+  for (const Visit& visit : building.visits) {
+    for (const double people : options.people) {
+      const BuildingBenchParams params{
+          .people = people / 100, .localize = options.localize.localize(), .seed = session.seed};
+      const std::string label = fmt::format("{}, {:.0f}°", building.name, field_of_view);
+      rows.push_back({building.name, field_of_view, visit.changed,
+                      bench_building(visit.plan, building.map, lidar, visit.map_from_sensor, params, session.threads,
+                                     progress_bar(session, label))});
+    }
   }
 }
 
@@ -113,9 +152,9 @@ void write_failures(const std::filesystem::path& out, const Building& building, 
     for (const BuildingAnswer& answer : rows[i].bench.answers) {
       if (!answer.is_unique || answer.is_right || written == most) { continue; }
       const std::string name = fmt::format("failure-{}-{}.svg", i, written++);
-      const std::string title =
-          fmt::format("{}, {:.0f}°, {:.0f} % people: {}, confidence {:.2f}", building.name, rows[i].field_of_view,
-                      100 * rows[i].bench.people, to_string(answer.result.reason), answer.result.confidence);
+      const std::string title = fmt::format(
+          "{}, {:.0f}°, {:.0f} % changed, {:.0f} % people: {}, confidence {:.2f}", building.name, rows[i].field_of_view,
+          100 * rows[i].changed, 100 * rows[i].bench.people, to_string(answer.result.reason), answer.result.confidence);
       value_or_quit(write_file_atomically(out / name, localization_picture(points, answer.query.scan, answer.result,
                                                                            answer.query.map_from_sensor, title)));
     }
@@ -133,6 +172,7 @@ nlohmann::ordered_json buildings_json(const BenchBuildingsOptions& options, cons
   for (const Row& row : rows) {
     json["buildings"].push_back({{"building", row.building},
                                  {"field_of_view_deg", row.field_of_view},
+                                 {"changed", row.changed},
                                  {"people", row.bench.people},
                                  {"success", rate_json(row.bench.success)},
                                  {"twins", rate_json(row.bench.twins_right)},
@@ -157,24 +197,28 @@ void add(Rate& sum, const Rate& rate) {
 }
 
 void print(const std::vector<Row>& rows) {
-  fmt::print("{:<22} {:>5} {:>7}  {:<33} {:<33} {:<33} {}\n", "building", "view", "people", "success where unique",
-             "right where twins exist", "called unique where unique", "right of those called unique");
+  fmt::print("{:<22} {:>5} {:>7} {:>7}  {:<33} {:<33} {:<33} {}\n", "building", "view", "changed", "people",
+             "success where unique", "right where twins exist", "called unique where unique",
+             "right of those called unique");
   BuildingBench all;
   for (const Row& row : rows) {
-    fmt::print("{:<22} {:>4.0f}° {:>6.1f}%  {:<33} {:<33} {:<33} {}\n", row.building, row.field_of_view,
-               100 * row.bench.people, rate_text(row.bench.success), rate_text(row.bench.twins_right),
-               rate_text(row.bench.called_unique), rate_text(row.bench.unique_right));
+    fmt::print("{:<22} {:>4.0f}° {:>6.0f}% {:>6.1f}%  {:<33} {:<33} {:<33} {}\n", row.building, row.field_of_view,
+               100 * row.changed, 100 * row.bench.people, rate_text(row.bench.success),
+               rate_text(row.bench.twins_right), rate_text(row.bench.called_unique), rate_text(row.bench.unique_right));
     add(all.success, row.bench.success);
     add(all.twins_right, row.bench.twins_right);
     add(all.called_unique, row.bench.called_unique);
     add(all.unique_right, row.bench.unique_right);
   }
-  fmt::print("{:<22} {:>5} {:>7}  {:<33} {:<33} {:<33} {}\n", "all", "", "", rate_text(all.success),
+  fmt::print("{:<22} {:>5} {:>7} {:>7}  {:<33} {:<33} {:<33} {}\n", "all", "", "", "", rate_text(all.success),
              rate_text(all.twins_right), rate_text(all.called_unique), rate_text(all.unique_right));
 }
 
 int run(BenchBuildingsOptions& options, const Session& session) {
   options.params.resolve(session, {"ransac"});
+  if (!options.maps.empty() && options.changed != std::vector<double>{0}) {
+    throw UsageError("--changed: expected only with made-up offices");
+  }
   std::filesystem::path out;
   if (!options.out.empty()) { out = value_or_quit(folder_for_results(options.out)); }
   std::vector<Row> rows;
@@ -217,10 +261,15 @@ void add_bench_buildings(CLI::App& bench, Session& session) {
     command.add_option("--people", options->people, "per cent of the beams that end on people (default 0,10,20,30)")
         ->delimiter(',')
         ->check(CLI::Range(0.0, 90.0));
+    command
+        .add_option("--changed", options->changed,
+                    "per cent of an office's furniture and doors moved since the map was made (default 0)")
+        ->delimiter(',')
+        ->check(CLI::Range(0.0, 100.0));
     command.add_option("--queries", options->queries, "scans asked in each row (default 100)")
         ->check(CLI::Range(1, 1000000));
     command.add_option("-o,--output", options->out, "folder for buildings.json and pictures of what was not found");
-    options->params.add(command, "office", options->office, {"seed"});
+    options->params.add(command, "office", options->office, {"seed", "changed"});
     options->params.add(command, "lidar", options->lidar, {"field_of_view"});
     options->localize.add(command, options->params);
   };

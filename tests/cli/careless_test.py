@@ -291,6 +291,8 @@ class Careless(unittest.TestCase):
     def test_what_a_bench_varies_itself_is_no_option(self):
         self.refused(1, "--optimize-backend", "bench", "optimizers", self.log, "--optimize-backend", "toro")
         self.refused(1, "--office-seed", "bench", "buildings", "--office-seed", "3")
+        self.refused(1, "--office-changed", "bench", "buildings", "--office-changed", "0.3")
+        self.refused(1, "--changed", "bench", "buildings", "plan.yaml", "--changed", "30")
         self.refused(1, "--lidar-field-of-view", "bench", "buildings", "--lidar-field-of-view", "3")
 
     def test_a_log_may_come_through_a_pipe(self):

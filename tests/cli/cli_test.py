@@ -307,6 +307,12 @@ class Cli(unittest.TestCase):
         for row in result["buildings"]:
             self.assertLessEqual(row["success"]["of"] + row["twins"]["of"], 6)
 
+    def test_bench_buildings_asks_offices_in_which_things_moved(self):
+        result = self.json("bench", "buildings", "--office-area", 200, "--queries", 6, "--fields-of-view", 360,
+                           "--people", 0, "--changed", "0,50")
+        self.assertEqual([row["changed"] for row in result["buildings"]], [0, 0.5])
+        self.assertGreater(result["buildings"][1]["success"]["of"] + result["buildings"][1]["twins"]["of"], 0)
+
 
 if __name__ == "__main__":
     FLIRT = sys.argv.pop(1)

@@ -1,5 +1,8 @@
 #include "flirt/eval/buildings.hpp"
 
+#include "flirt/sim/office.hpp"
+#include "flirt/sim/simulate.hpp"
+
 #include <gtest/gtest.h>
 
 #include <array>
@@ -78,6 +81,31 @@ TEST(BuildingBench, DoesNotAskForOneOfTwoTwinRooms) {
   const BuildingBench bench = bench_building(plan, map_of(plan, rooms), lidar, places, {}, 1);
   EXPECT_EQ(bench.success.total, 0U);
   EXPECT_EQ(bench.twins_right.total, 2U);
+}
+
+TEST(Buildings, MovedFurnitureDoesNotVeto) {
+  OfficeParams office{.area = 500, .seed = 3};
+  const LidarParams half_turn{.beams = 180, .mount_x = 0};
+  const auto drive = [&](std::uint64_t seed) {
+    return simulate(make_office(office),
+                    {.lidar = half_turn, .drive = {.scan_distance = 0.6, .rounds = 1, .place_share = 1}, .seed = seed})
+        .value();
+  };
+  const PlaceMap map = build_place_map(drive(1).log, {}, 1).value();
+  office.changed = 0.4;
+  const Simulation later = drive(2);
+  std::vector<Pose2> places;
+  for (std::size_t i = 0; i < later.log.scans.size(); i += 2) { places.push_back(later.log.map_from_sensor(i)); }
+  const auto ask = [&](double moved_width) {
+    BuildingBenchParams params;
+    params.localize.search.score.moved_width = moved_width;
+    return bench_building(later.plan, map, half_turn, places, params, 1);
+  };
+  const BuildingBench strict = ask(0);
+  const BuildingBench lenient = ask(EvidenceScoreParams{}.moved_width);
+  EXPECT_GE(lenient.success.value(), strict.success.value());
+  EXPECT_GT(lenient.unique_right.hits, strict.unique_right.hits);
+  EXPECT_GT(lenient.unique_right.value(), 0.98);
 }
 
 }  // namespace

@@ -4,8 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 namespace flirt {
 namespace {
@@ -76,6 +81,48 @@ TEST(Office, RoomsDiffer) {
     }
   }
   EXPECT_GT(widths.size(), 100U);
+}
+
+/// Share of the discs of a plan that stand where they stood in another.
+double share_in_place(const FloorPlan& plan, const FloorPlan& before) {
+  std::set<std::pair<double, double>> places;
+  for (const PlanDisc& disc : before.discs) { places.emplace(disc.center.x, disc.center.y); }
+  std::size_t kept = 0;
+  for (const PlanDisc& disc : plan.discs) { kept += places.count({disc.center.x, disc.center.y}); }
+  return static_cast<double>(kept) / static_cast<double>(before.discs.size());
+}
+
+TEST(Office, AsMuchOfTheFurnitureMovesAsAskedFor) {
+  const World before = make_office({.area = 5000});
+  for (const double changed : {0.1, 0.3, 0.6}) {
+    const World later = make_office({.area = 5000, .changed = changed});
+    EXPECT_NEAR(share_in_place(later.plan, before.plan), 1 - changed, 0.06);
+    EXPECT_TRUE(std::ranges::equal(later.places, before.places));
+    const Rectangle box = bounds(before.plan);  // what was pushed stays within the walls
+    const Rectangle later_box = bounds(later.plan);
+    EXPECT_LT(norm(later_box.low - box.low) + norm(later_box.high - box.high), 1e-9);
+  }
+  EXPECT_EQ(share_in_place(make_office({.area = 5000, .visit = 9}).plan, before.plan), 1);
+  EXPECT_LT(share_in_place(make_office({.area = 5000, .changed = 0.3, .visit = 9}).plan,
+                           make_office({.area = 5000, .changed = 0.3}).plan),
+            0.8);
+}
+
+TEST(Office, WithoutFurnitureOnlyDoorsMove) {
+  const FloorPlan before = make_office({.area = 900, .furniture = 0}).plan;
+  const FloorPlan later = make_office({.area = 900, .furniture = 0, .changed = 1}).plan;
+  const auto ends = [](const FloorPlan& plan) {
+    std::set<std::tuple<double, double, double, double>> all;
+    for (const PlanSegment& segment : plan.segments) {
+      all.emplace(segment.begin.x, segment.begin.y, segment.end.x, segment.end.y);
+    }
+    return all;
+  };
+  EXPECT_EQ(later.segments.size(), before.segments.size());
+  std::vector<std::tuple<double, double, double, double>> moved;
+  std::ranges::set_difference(ends(later), ends(before), std::back_inserter(moved));
+  EXPECT_GT(moved.size(), 5U);  // leaves of doors, a metre wide at most
+  for (const auto& [x0, y0, x1, y1] : moved) { EXPECT_LT(std::hypot(x1 - x0, y1 - y0), 1.1); }
 }
 
 }  // namespace
