@@ -198,7 +198,10 @@ class Furnisher {
   }
 
   void add_cabinet(double shortest, double longest) {
-    try_box(at_wall(rng_.below(4), rng_.uniform(shortest, longest), rng_.uniform(0.3, 0.5)));
+    const double depth = rng_.uniform(0.3, 0.5);
+    const double length = rng_.uniform(shortest, longest);
+    const std::uint32_t side = rng_.below(4);
+    try_box(at_wall(side, length, depth));
   }
 
   void add_chair(Point2 center) {
@@ -361,7 +364,8 @@ class Furnisher {
   bool push(const Piece& piece) {
     constexpr int tries = 5;
     for (int i = 0; i < tries; ++i) {
-      const Point2 shift = around(changes_.uniform(0, 2 * half_turn), changes_.uniform(0.2, 1.0));
+      const double distance = changes_.uniform(0.2, 1.0);
+      const Point2 shift = around(changes_.uniform(0, 2 * half_turn), distance);
       const double turn = changes_.uniform(-0.5, 0.5);
       FloorPlan moved = copy_of(piece);
       const Rectangle before = bounds(moved);
