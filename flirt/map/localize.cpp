@@ -55,8 +55,8 @@ struct Answer {
   Judgement judgement;
 };
 
-/// Where what beams cross should speak against all places, narrow things may have been moved: of the two answers the
-/// more confident one holds.
+/// Should no place be unique, narrow things may have been moved, and all are compared again as if they had been: of the
+/// two answers the more confident one holds.
 Answer answer_from(std::vector<ScoredPose> judged, std::size_t points, const LocalizeParams& params) {
   Answer answer{distinct(judged, params.search), {}};
   answer.judgement = judge_answer(answer.poses, points, params.verdict);
